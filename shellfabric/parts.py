@@ -104,6 +104,12 @@ class Part:
         or the run has are added to it."""
         return {}
 
+    def pushed(self, state: State) -> float:
+        """Return the kinetic energy [J] at the present whole step that `energies` leaves out: that of
+        what others push the part by, through nodes of a state which it places; the contact forces of
+        the state are those of all that touches the ply."""
+        return 0.0
+
     def samples(self) -> dict[str, float]:
         """Return {name: value} of what a sample has of the part besides energies."""
         return {}

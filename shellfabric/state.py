@@ -33,11 +33,12 @@ WEFT = 1
 INTACT = 0
 DAMAGED = 1
 REDO = 2
-# of state.element_flag; DRAWN_OUT: torn, and twice its size
+# of state.element_flag; DRAWN_OUT: torn, and twice its size; RESOLVED: its yarns are resolved
 WARP_FAILED = 1
 WEFT_FAILED = 2
 ERODED = 4
 DRAWN_OUT = 8
+RESOLVED = 16
 
 
 class FailureLines(Row):
@@ -338,7 +339,7 @@ class State(Row, kept=True):
         "-",
         "damage bits of the elements: 1 a warp yarn failed, 2 a weft yarn failed, 4 "
         "eroded (no longer in contact), 8 torn and "
-        "drawn out to twice its size",
+        "drawn out to twice its size, 16 within a zone of resolved yarns",
     )
     block_damage = array(
         "blocks uint8",

@@ -198,7 +198,7 @@ class BackingCoupling(Part):
         if panel.sides is not None:
             areas = np.multiply.outer(*panel.sides)
         areas = areas * panel.movable()
-        point = np.repeat(panel.weave.areal_density * areas.ravel() / self.p**2, self.p**2)
+        point = np.repeat(panel.contact_density * areas.ravel() / self.p**2, self.p**2)
         self._stiffness = backing.ply_penalty * point / const.dt**2
         self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
         self._loose = np.ones(point.size)

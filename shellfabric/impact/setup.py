@@ -31,7 +31,7 @@ from shellfabric.membrane.model import Panel
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.yarns.model import YarnPanel, YarnZone
+from shellfabric.yarns.model import YarnPanel, YarnZone, lie_anywhere
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
@@ -468,6 +468,8 @@ class ImpactSetup:
         InputError : as `panel`, Pack and Pack.stacked
         """
         pack = self._pack(self.panel(table))
+        if self.crossovers is not None and self.plies > 1:
+            pack = replace(pack, plies=lie_anywhere(pack.plies, self.crossovers.seed))
         if self.strength is None:
             return pack
         return with_strengths(pack, self.strength)

@@ -16,6 +16,7 @@ from shellfabric.jit.table import row_of
 from shellfabric.loop.ply_kernels import begin as begin_ply
 from shellfabric.loop.ply_kernels import (
     break_yarns,
+    meet_nose,
     move_edges,
     other_forces,
     place_surface,
@@ -87,9 +88,13 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
             update_blocks(state, const, work)
             break_yarns(state, const, work)
             other_forces(state, const, state.first_row, state.end_row, True)
-            place_surface(state, const, several)
-            # an implicit spring of the nose has to know the pushes of the other plies first
-            stack.waits_for_plies[p] = touch(state, const, work)
+            if state.parts.replaces_membrane:  # it places what the other plies see of it
+                meet_nose(state, const)
+                place_surface(state, const, several)
+            else:
+                place_surface(state, const, several)
+                # an implicit spring of the nose has to know the pushes of the other plies first
+                stack.waits_for_plies[p] = touch(state, const, work)
             move_edges(state, const)
             if several:
                 mark_torn(state, const, contact, p)

@@ -32,6 +32,7 @@ from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.state import Constants
 from shellfabric.yarns import model as yarns
+from shellfabric.yarns.past_ply import nodes_past
 
 FAULTS = {
     near_kernels.NOT_RESOLVED: "has not converged",
@@ -226,7 +227,7 @@ class PackSolver(ExplicitSolver):
     def part_indicators(self) -> tuple[quality.Indicator, ...]:
         """Those of the parts; of one ply of pinned yarns that has stopped the projectile, the
         friction that yarns which may slip would need to stop it."""
-        found = [one for part, _ in self._all_parts() for one in part.indicators()]
+        found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
         if len(self.plies) == 1 and self.reason == STOPPED and not self.replaces_membrane:
             needed = yarns.friction_to_hold(self.panel, self.strike_velocity)
             if needed is not None:
@@ -430,6 +431,7 @@ class PackSolver(ExplicitSolver):
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
         self.monitor.sampled(self)
+        self._count_past()
         self.contact.lists.remake = 1
         turned = int(self.stack.stop_step)
         if turned and (
@@ -451,6 +453,16 @@ class PackSolver(ExplicitSolver):
             self.perforated_samples = 0
         if self.perforated_samples == 2:
             self.reason = PERFORATED
+
+    def _count_past(self):
+        """Count the nodes of resolved yarns that are past the next ply, at every EVERY-th sample."""
+        if len(self.plies) == 1 or len(self.samples) % quality.EVERY:
+            return
+        for p, apart in enumerate(np.diff(self.pack.places)):
+            for zone in (part.zone for part in self.parts[p] if part.name == "yarns"):
+                both = zip(*self.plies[p : p + 2])
+                past = int(np.count_nonzero(nodes_past(zone, *both, float(apart))))
+                zone.most_past = max(zone.most_past, past)
 
     def guard_model(self) -> None:
         """Check the guards of the parts and of a pack, see ExplicitSolver."""

@@ -63,6 +63,7 @@ def energies(const: Constants, state: State, rest: float) -> dict[str, float]:
     for part in parts:
         if part.of_ply:
             add_energies(found, part.energies())
+            found["kinetic_fabric"] += part.pushed(state)
     return found
 
 

@@ -185,12 +185,9 @@ def place_surface(state, const, all_rows):
 
 @kernel(_nrt=False, inline="always")
 def touch(state, const, work):
-    """Compute the nose's forces, on the membrane or on what is in its place, unless they are to be
-    computed after those of the other plies, which implicit springs depend on (see
-    `projectile.contact_kernels`): as long as the nose pushes. Returns whether they are."""
-    if state.parts.replaces_membrane:
-        meet_nose(state, const)
-        return False
+    """Compute the nose's forces on the membrane, unless they are to be computed after those of the
+    other plies, which implicit springs depend on (see `projectile.contact_kernels`): as long as the
+    nose pushes. Returns whether they are."""
     waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)

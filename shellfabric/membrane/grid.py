@@ -501,6 +501,11 @@ class PanelGrid:
         return 0.0, 0.0
 
     @property
+    def contact_density(self) -> float:
+        """[kg/m2] of what others push, which bounds the stiffness of contacts with it."""
+        return self.weave.areal_density
+
+    @property
     def origin(self) -> tuple[float, ...]:
         """(x0, y0) [m] of the first node at rest from the impact point; on a graded panel as if all
         elements were the smallest.

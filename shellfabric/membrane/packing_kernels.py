@@ -28,7 +28,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import WIDTH, broadcast, fma, head_mask, load, minimum, reduce_max, where
 from shellfabric.membrane.bending_kernels import rest_length
 from shellfabric.membrane.membrane_kernels import ONE, scratch_slot
-from shellfabric.state import DRAWN_OUT, PartTable, unit
+from shellfabric.state import DRAWN_OUT, RESOLVED, PartTable, unit
 
 _MOST_LENGTH = 2.0  # of a diagonal of a torn element that is still fabric, over its length at rest
 _LEAST_AREA = 1e-9  # over that at rest: the normal of a smaller element is not known
@@ -149,7 +149,8 @@ def let_go(state, const):
         for j in range(const.nj):
             k = np.uint64(i * const.row_stride + j)
             flag = state.element_flag[k]
-            if flag == 0 or flag & DRAWN_OUT or not is_drawn_out(state, const, k):
+            passed_over = flag == 0 or flag & (DRAWN_OUT | RESOLVED)
+            if passed_over or not is_drawn_out(state, const, k):
                 continue
             lost += packing_force(state, const, k, False)
             state.element_flag[k] = flag | DRAWN_OUT

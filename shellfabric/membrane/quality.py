@@ -197,6 +197,11 @@ LIMITS = {
         0.15,
         "slip of a resolved yarn beside the rim of its zone, in crossovers",
     ),
+    "yarns past the next ply": (
+        0.01,
+        "nodes of resolved yarns that were half a thickness or more behind the next ply, at one time at most, "
+        "over the nodes of a ply's yarns; plies touch at the mean of warp and weft, single yarns may reach past",
+    ),
     "friction to hold yarns": (
         0.25,
         "least friction between yarns with which one ply stops this projectile; with less, it pushes them aside and "
@@ -205,6 +210,7 @@ LIMITS = {
 }
 # name: value above which the indicator is noted
 NOTES = {
+    "yarns past the next ply": 1e-3,
     "viscous energy": 0.1,
     "element over failure length": 0.5,
     "ply collisions": 0.05,

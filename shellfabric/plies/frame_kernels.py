@@ -6,7 +6,7 @@ import numpy as np
 from shellfabric.jit.compile import kernel
 from shellfabric.membrane.packing_kernels import is_fabric
 from shellfabric.plies.state import unit
-from shellfabric.state import ERODED
+from shellfabric.state import ERODED, RESOLVED
 from shellfabric.surface.grid_kernels import to_nodes
 from shellfabric.surface.nodal_force_kernels import (
     bounds,
@@ -37,7 +37,7 @@ def grid_in_pack(contact, p):
 def mark_torn(state, const, contact, p):
     """Mark the nodes of torn elements of ply p, and drop the elements that are no fabric any more:
     those without a yarn of either family, eroded ones, and those that join pieces which have
-    parted."""
+    parted. Where yarns are resolved only those that the zone has eroded are torn."""
     lists = contact.lists
     contact.failures[p] = state.failures
     if contact.failures[p] == 0:
@@ -46,7 +46,7 @@ def mark_torn(state, const, contact, p):
         for j in range(const.nj):
             k = np.uint64(i * const.row_stride + j)
             flag = state.element_flag[k]
-            if flag == 0:
+            if flag == 0 or (flag & RESOLVED and not flag & ERODED):
                 continue
             g = contact.base[p] + i * contact.row_stride[p] + j
             stride = contact.row_stride[p]

@@ -42,6 +42,7 @@ from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
 from shellfabric.plies.state import PackContact
+from shellfabric.projectile import frames
 from shellfabric.state import Constants, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
 
@@ -100,9 +101,20 @@ class Pack:
                 raise InputError(f"the plies of a pack must have one {key}")
         if len({(ply.table.model.cell_formulation, ply.trellis) for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
-        if len(self.plies) > 1 and any(isinstance(ply, YarnPanel) for ply in self.plies):
-            raise InputError(key="crossovers", value="yarns", allowed="pinned in a pack")
+        self._join_zones()
         friction.check(self.friction, first.numerics.cfl)
+
+    def _join_zones(self):
+        """Let the zones of resolved yarns of several plies see each other."""
+        resolved = [isinstance(ply, YarnPanel) for ply in self.plies]
+        if not any(resolved) or len(self.plies) == 1:
+            return
+        if not all(resolved):
+            raise InputError(
+                key="crossovers", value="yarns", allowed="those of all plies of a pack, or of none"
+            )
+        joined = self._each(lambda ply: ply if ply.among_plies else replace(ply, among_plies=True))
+        object.__setattr__(self, "plies", joined)
 
     def at_shorter_step(self, factor: float) -> Pack:
         """Return the pack with a time step that is `factor` times as long."""
@@ -225,7 +237,7 @@ class Pack:
 
     def _density(self, p):
         """[kg/m2] of the lighter one of plies p and p + 1, which bounds the step."""
-        return min(ply.weave.areal_density for ply in self.plies[p : p + 2])
+        return min(ply.contact_density for ply in self.plies[p : p + 2])
 
     def _steepest(self, p):
         """[Pa/m] highest stiffness of the contact of plies p and p + 1."""
@@ -265,12 +277,17 @@ class Pack:
         found["turns"][:] = self.turns
         stack = Stack(motion=np.zeros(0), **found)
         states = []
+        angles = np.array(self.angles) - self.angles[0]
         for p, ply in enumerate(self.plies):
             state = self._in_step(ply).state(strike_velocity)
             stack.projectile_position[p] = state.projectile_position
+            if p > 0 and isinstance(ply, YarnPanel):  # its nose stands before the first ply's yarns
+                x, y, z = stack.projectile_position[0]
+                stack.projectile_position[p] = *(frames.axes(angles[p]) @ (x, y)), z
             stack.projectile_position[p, 2] -= self.places[p]
-            # rims move from the start, whether anything touches them or not
-            stack.awake[p] = p == 0 or state.slip_force.size > 0
+            # rims move from the start, whether anything touches them or not; of resolved yarns the
+            # nose may meet those of any ply first
+            stack.awake[p] = p == 0 or state.slip_force.size > 0 or isinstance(ply, YarnPanel)
             shared = {
                 "projectile_position": stack.projectile_position[p],
                 "f_contact_nose": stack.f_contact_nose[p],

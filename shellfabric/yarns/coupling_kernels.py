@@ -22,6 +22,7 @@ from shellfabric.subcycle_kernels import subcycle
 from shellfabric.surface.vector_kernels import three
 from shellfabric.yarns.chain_kernels import move, nodes_of
 from shellfabric.yarns.nose_kernels import nose_forces
+from shellfabric.yarns.shadow_kernels import place_shadow, take_pushes
 from shellfabric.yarns.state import Zone
 from shellfabric.yarns.zone_kernels import inner_forces
 
@@ -41,11 +42,15 @@ def march_zone(state, const, own):
     steps = own.substeps
     end = three(state.projectile_position, 0)
     own.outer_force[PRESENT] = 0.0
+    if own.has_shadow:
+        take_pushes(own, state, const)
     subcycle(step_zone, (own, state, const, end), steps, const.dt)
     for c in range(3):
         state.projectile_position[c] = end[c]
     give_outer_forces(own, state, 0.5 * (steps - 1) / steps)
     write_to_ply(own, state)
+    if own.has_shadow:
+        place_shadow(own, state, const)
 
 
 @kernel(_nrt=False)

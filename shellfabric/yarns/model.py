@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf
 from pathlib import Path
@@ -19,11 +19,12 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
+from shellfabric.membrane.boundary import is_clamped
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.membrane.slots import by_node
 from shellfabric.parts import Part, own_steps
-from shellfabric.state import DAMAGED, WARP_FAILED, WEFT_FAILED, Constants, State
+from shellfabric.state import DAMAGED, RESOLVED, WARP_FAILED, WEFT_FAILED, Constants, State
 from shellfabric.yarns.part import ResolvedYarns
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch
 from shellfabric.yarns.state import Zone
@@ -53,6 +54,7 @@ class YarnZone:
     half_width : [m] of the square zone about the impact point; inf resolves the whole panel; None takes the default
     friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
     lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
+    seed : of the aim, by which plies of a pack are shifted against each other (`lie_anywhere`)
 
     Raises
     ------
@@ -62,6 +64,7 @@ class YarnZone:
     half_width: float | None = None
     friction: float = DATA["crossover_friction"]["value"]
     lateral: float = 1.0
+    seed: int | Sequence[int] | None = None
 
     def __post_init__(self):
         if not self.width > 0:
@@ -111,6 +114,8 @@ class YarnPanel(Panel):
     Parameters
     ----------
     resolved : YarnZone, and the others of Panel
+    shift : [m] of its grid against the opening, along the two sides
+    among_plies : whether other plies lie on it
 
     Raises
     ------
@@ -119,6 +124,8 @@ class YarnPanel(Panel):
     """
 
     resolved: YarnZone = field(default_factory=YarnZone)
+    shift: tuple[float, float] = (0.0, 0.0)
+    among_plies: bool = False
 
     def __post_init__(self):
         model = self.table.model
@@ -127,7 +134,6 @@ class YarnPanel(Panel):
             ("elements_per_crossover", self.elements_per_crossover, 1),
             ("grading", self.grading, None),
             ("bending", self.bending, (0.0, 0.0)),
-            ("backing", self.backing, None),
             ("cell_formulation", model.cell_formulation, "variational"),
         ]
         if not isinstance(model, CellModel):
@@ -162,7 +168,18 @@ class YarnPanel(Panel):
     @property
     def grid_middle(self) -> tuple[float, float]:
         """[m] as in Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
-        return 0.0, 0.0
+        return self.shift
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether other plies or a block touch the yarns, which shadow nodes stand for."""
+        return self.among_plies or self.backing is not None
+
+    @property
+    def contact_density(self) -> float:
+        """[kg/m2] as in PanelGrid: of the lightest shadow node, over the area of a crossing."""
+        mass = 1 / float(self.patch.shadow_mobility.max())
+        return min(mass / float(np.prod(self.spacing)), self.weave.areal_density)
 
     @property
     def _fills(self):
@@ -214,7 +231,10 @@ class YarnPanel(Panel):
     @property
     def time_step(self) -> float:
         """[s] step of the membrane, of which the yarns make a whole number."""
-        return min(super().time_step, MOST_STEPS * self._longest_step)
+        steps = MOST_STEPS
+        if self.is_seen:  # the places of shadow nodes after a step have to be known before it
+            steps = 1
+        return min(super().time_step, steps * self._longest_step)
 
     @property
     def _longest_step(self):
@@ -246,9 +266,9 @@ class YarnPanel(Panel):
         for slots in (state.intact_fraction, state.yarn_length):
             grid(slots[0])[i0:i1, j0 + 1 : j1] = 0.0
             grid(slots[1])[i0 + 1 : i1, j0:j1] = 0.0
-        # elements deeper inside have no node that moves: what is computed of them goes nowhere
-        flag = np.full((i1 - i0, j1 - j0), WARP_FAILED | WEFT_FAILED)
-        flag[1:-1, 1:-1] = 0
+        # elements deeper inside have no node with a mass: what is computed of them goes nowhere
+        flag = np.full((i1 - i0, j1 - j0), WARP_FAILED | WEFT_FAILED | RESOLVED)
+        flag[1:-1, 1:-1] = RESOLVED * self.is_seen
         grid(state.element_flag)[i0:i1, j0:j1] = flag
         per = const.rows_per_block
         state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, const.ni - 1) // per + 1] = DAMAGED
@@ -262,6 +282,8 @@ class YarnPanel(Panel):
         grid(state.inverse_mass)[i0 : i1 + 1, j0 : j1 + 1] = inverse
         grid(state.dt_over_mass)[i0 : i1 + 1, j0 : j1 + 1] = self.time_step * inverse
         grid(state.mass)[inside] = 0.0
+        if self.is_seen:
+            grid(state.dt_over_mass)[inside] = self.time_step * self.patch.shadow_mobility
 
     def _rim_masses(self, warp, weft):
         """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the membrane
@@ -287,8 +309,30 @@ class YarnPanel(Panel):
         (i0, _), (j0, _) = self.rim_rows
         steps = own_steps(self.time_step, self._longest_step)
         return self.patch.arrays(
-            self.time_step / steps, steps, (i0, j0), self.counts[1] + 1, self.projectile.friction
+            self.time_step / steps,
+            steps,
+            (i0, j0),
+            self.counts[1] + 1,
+            self.projectile.friction,
+            seen=self.is_seen,
         )
+
+
+def lie_anywhere(panels: Sequence[YarnPanel], seed: int | None) -> tuple[YarnPanel, ...]:
+    """Shift the grids of plies behind the first, each by a part of a cell of its weave that a seed draws: windows of
+    plies do not lie behind each other. Without clamped edges, which are lines of the grid, they lie aligned.
+
+    Parameters
+    ----------
+    seed : of the aim (`aim`); None is 0
+    """
+    found = [panels[0]]
+    for number, panel in enumerate(panels[1:], 1):
+        shift = (0.0, 0.0)
+        if is_clamped(panel.boundary):
+            shift = aim(panel.weave, [*np.atleast_1d(seed or 0), number])
+        found.append(replace(panel, shift=shift))
+    return tuple(found)
 
 
 def crossings_of(panel: Panel) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray
+from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.guards import speed_limit
 from shellfabric.membrane import quality
 from shellfabric.parts import Part
@@ -64,8 +64,19 @@ class ResolvedYarns(Part):
             "slack_contact": float(zone.lost_when_slack),
         }
 
+    def pushed(self, state: State) -> float:
+        """Return the kinetic energy [J] that the coming half step's pushes on shadow nodes bring, see
+        Part."""
+        if not self.zone.has_shadow:
+            return 0.0
+        slots = shadow_slots(self.zone).ravel()
+        power = sum(float(v[slots] @ f[slots]) for v, f in zip(state.v, state.f_contact))
+        if state.f_block_cloth[2].size > 0:
+            power += sum(float(v[slots] @ f[slots]) for v, f in zip(state.v, state.f_block_cloth))
+        return 0.5 * self.zone.dt * power
+
     def show(self, state: State) -> None:
-        """Put the membrane where the yarns are, see Part."""
+        """Put the membrane where the yarns are, see Part; shadow nodes are there."""
         show(self.zone, state)
 
     def speeds(self, strike_velocity: float) -> tuple[FloatArray, float]:
@@ -89,10 +100,15 @@ class ResolvedYarns(Part):
         )
 
     def indicators(self) -> tuple[quality.Indicator, ...]:
-        """Return the slip of the yarns beside the rim of their zone, see Part."""
+        """Return the slip of the yarns beside the rim of their zone, and how many reach past the next
+        ply, see Part."""
         found = quality.indicator("slip at the rim", slip_at_rim(self.zone))
         width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
-        return (replace(found, meaning=f"{found.meaning}; {width}"),)
+        checks = [replace(found, meaning=f"{found.meaning}; {width}")]
+        if self.panel.among_plies:
+            share = self.zone.most_past / self.zone.mass.size
+            checks.append(quality.indicator("yarns past the next ply", share))
+        return tuple(checks)
 
 
 def slip_at_rim(zone: Zone) -> float:
@@ -104,6 +120,13 @@ def slip_at_rim(zone: Zone) -> float:
     return float(max(part.max() for part in beside))
 
 
+def shadow_slots(zone: Zone) -> IntArray:
+    """Return the slots (warp yarns, weft yarns) of the membrane's nodes at the crossings at rest."""
+    warp = int(zone.yarns[0])
+    rows = zone.tied_slot[2 * warp :: 2]  # slots of the rim at which the weft yarns begin
+    return rows[None, :] + np.arange(warp)[:, None] + 1
+
+
 def show(zone: Zone, state: State) -> None:
     """Put the membrane inside the rim where the yarns are, with their tensions, for pictures, histories and the
     deflection. Its nodes bear and weigh nothing.
@@ -111,8 +134,8 @@ def show(zone: Zone, state: State) -> None:
     A crossing of which a yarn is torn is where the other one is, and stays if both are.
     """
     warp, weft = (int(count) for count in zone.yarns)
-    rows = zone.tied_slot[2 * warp :: 2]  # slots of the rim at which the weft yarns begin
-    stride = rows[1] - rows[0]
+    slots = shadow_slots(zone)
+    stride = slots[0, 1] - slots[0, 0]
     moved = np.zeros((warp, weft, 3))
     count = np.zeros((warp, weft))
     for family in range(2):
@@ -129,8 +152,10 @@ def show(zone: Zone, state: State) -> None:
         begin = zone.tied_slot[2 * warp * family :][: 2 * shape[0] : 2]
         steps = (stride, 1)[family] * np.arange(tension.shape[1])
         state.T[family][begin[:, None] + steps] = tension
+    if zone.has_shadow:
+        return
     shown = count > 0
-    slots = (rows[None, :] + np.arange(warp)[:, None] + 1)[shown]
+    slots = slots[shown]
     moved /= np.maximum(count, 1)[..., None]
     moved[..., 0] -= zone.tied_rest[2 * warp :: 2, 0]
     moved[..., 1] -= zone.tied_rest[: 2 * warp : 2, 1, None]

@@ -43,6 +43,9 @@ HEXAGONAL = pi / sqrt(12)  # densest packing of round fibres
 MOST_CLOSEST = 0.9  # of the width of a yarn
 CROSSING_HEIGHT = 0.75  # of the sum of the amplitudes: the splines of two zigzags are as far apart
 LAW_SAMPLES = 256
+MOST_APART = (
+    2.0  # spacings between the two yarns of a shadow node: further apart they are no fabric
+)
 RIM_ROWS = 2  # outer rows of crossings that are pinned: a yarn does not slide out of the patch
 
 
@@ -93,6 +96,26 @@ class YarnPatch:
         crimps = (yarn.crimp for yarn in self.weave.yarns)
         warp, weft = (0.5 * p * sqrt((1 + c) ** 2 - 1) for p, c in zip(self.spacing, crimps))
         return warp, weft
+
+    @property
+    def warp_share(self) -> float:
+        """[-] w of `shadow_kernels`."""
+        warp, weft = self.amplitudes
+        if warp + weft == 0:
+            return 0.5
+        return weft / (warp + weft)
+
+    @cached_property
+    def shadow_mobility(self) -> FloatArray:
+        """(rows, columns) [1/kg] inverse masses of the shadow nodes, by weft and warp yarn."""
+        chains = self._chains()
+        _, yarns, nodes = self.layout
+        own = []
+        for family in range(2):
+            of_yarns = chains["inverse_mass"][self._span(family)]
+            own.append(of_yarns.reshape(yarns[family], nodes[family])[:, 2:-2:2])
+        warp, weft = own
+        return self.warp_share**2 * warp.T + (1 - self.warp_share) ** 2 * weft
 
     @property
     def gap(self) -> float:
@@ -340,6 +363,7 @@ class YarnPatch:
         corner: tuple[int, int] = (0, 0),
         row_stride: int = 0,
         nose_friction: float = 0.0,
+        seen: bool = False,
     ) -> Zone:
         """Build the arrays of the patch at rest.
 
@@ -350,6 +374,7 @@ class YarnPatch:
         corner : (row, column) of the panel's node at the corner of the rim
         row_stride : slots of a row of the panel
         nose_friction : of the projectile, whose springs need room
+        seen : whether other plies or a block see the patch (`shadow_kernels`)
         """
         first, yarns, nodes = self.layout
         chains = self._chains()
@@ -397,6 +422,9 @@ class YarnPatch:
             friction_slip=np.zeros((rubbing, 2, 3)),
             friction_force=np.zeros((rubbing, 2, 3)),
             substeps=steps,
+            warp_share=self.warp_share,
+            furthest=MOST_APART * max(self.spacing),
+            has_shadow=seen,
             outer_force=np.zeros((2, chains["tied_node"].size + 1, 3)),
             tied_slot=np.concatenate([warp.ravel(), weft.ravel()]),
             tied_rest=chains["x"][:, chains["tied_node"]].T,

@@ -1,6 +1,6 @@
 """The arrays of a zone of resolved yarns (`yarns.patch` makes them)."""
 
-from shellfabric.jit.table import Row, array, integer, number, row, tally, total
+from shellfabric.jit.table import Row, array, flag, integer, number, row, tally, total
 from shellfabric.state import RateTable
 
 
@@ -98,12 +98,18 @@ class Zone(Row):
     )
     friction_force = array("n, 2, 3", "N", "last friction forces of these points", kept=True)
     substeps = integer("-", "steps in a step of the ply")
+    most_past = tally(
+        "-", "nodes that were past the surface of the next ply, at one sample at most", kept=True
+    )
     points_ahead = tally("-", "points of whole yarns ahead of the nose", kept=True)
     segments_to_break = tally("-", "segments that break in the next step", kept=True)
     torn_segments_told = tally("-", "of `torn_segments` those that the ply knows of", kept=True)
     tied_node = array("ends int64", "-", "ends of the chains")
     tied_slot = array("ends int64", "-", "slots of the membrane's nodes that they are")
     tied_rest = array("ends, 3", "m", "their places at rest")
+    warp_share = number("-", "share of the warp in the place of a shadow node")
+    furthest = number("m", "that the two yarns of a shadow node can be apart")
+    has_shadow = flag("whether other plies or a block see the zone, by its shadow nodes")
     outer_force = array(
         "2, n, 3",
         "N",

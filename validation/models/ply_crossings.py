@@ -2,7 +2,8 @@
 the triangulated plies that cross triangles of other plies.
 
 An element is two triangles where it has yarns of both families, has not eroded, and has never been drawn out to more
-than twice its size once torn: what the contact has dropped for that is taken from it.
+than twice its size once torn: what the contact has dropped for that is taken from it. Where yarns are resolved
+their shadow nodes bear the triangles.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.membrane.slots import by_element, by_node
-from shellfabric.state import ERODED
+from shellfabric.state import ERODED, RESOLVED
 
 if TYPE_CHECKING:
     from shellfabric.loop.pack_solver import PackSolver
@@ -55,6 +56,7 @@ def surfaces(march: PackSolver) -> tuple[FloatArray, IntArray, IntArray, IntArra
             & (flag & ERODED == 0)
         )
         is_facet &= (flag == 0) | ~drawn_out(now, rest)
+        is_facet |= (flag & RESOLVED != 0) & (flag & ERODED == 0)
         contact = march.contact
         rows = np.arange(c.ni)[:, None]
         is_facet &= (

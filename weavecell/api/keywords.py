@@ -101,7 +101,8 @@ class Keywords(TypedDict, total=False):
     zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
         divided by `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
-        middle of the opening; a whole number from 0 to 2147483647
+        middle of the opening; by it, too, the plies of a pack whose edges are clamped are shifted
+        against each other, by 0 if not given; a whole number from 0 to 2147483647
     crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not
         given; a number from 0 to 2
     end_time : latest end of the run; it ends earlier when the projectile stops (see

@@ -418,7 +418,11 @@ def _build_yarn_zone(table):
         return None
     from shellfabric.yarns.model import YarnZone
 
-    given = {"half_width": table.zone, "friction": table.crossover_friction}
+    given = {
+        "half_width": table.zone,
+        "friction": table.crossover_friction,
+        "seed": table.aim_seed,
+    }
     return YarnZone(**{field: value for field, value in given.items() if value is not None})
 
 

@@ -367,7 +367,8 @@ class PanelTable(Table):
         "20 mm",
     ) = None
     aim_seed: whole(
-        "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the opening",
+        "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the opening; "
+        "by it, too, the plies of a pack whose edges are clamped are shifted against each other, by 0 if not given",
         0,
         2**31 - 1,
     ) = None
@@ -431,8 +432,6 @@ class PanelTable(Table):
         """Refuse what resolved yarns do not have."""
         if self.impact_point is not None:
             self.refuse("aim_seed", "left out beside impact_point")
-        if self.plies > 1:
-            raise InputError(key="plies", value=self.plies, allowed="1 with resolved yarns")
 
     @model_validator(mode="after")
     def _check_modelled_part(self):

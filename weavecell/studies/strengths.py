@@ -46,7 +46,8 @@ def draw_panel(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> 
     whole = use_one_thread(setup, symmetry="whole")
     check(whole, scatter)
     if whole.crossovers is not None:
-        whole = replace(whole, impact_point=draw_aim(whole, seed, number))
+        zone = replace(whole.crossovers, seed=(seed, number))
+        whole = replace(whole, impact_point=draw_aim(whole, seed, number), crossovers=zone)
     factors = draw_factors(scatter, seed, number * whole.plies)
     if all(factor == 1 for factor in factors.values()):
         pack = whole.target(whole.table(kept=True))

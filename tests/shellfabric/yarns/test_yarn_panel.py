@@ -222,7 +222,6 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
         ({"cell_formulation": "equilibrium"}, "cell_formulation"),
         ({"crossovers": YarnZone(3e-3)}, "zone"),
         ({"round": True, "crossovers": YarnZone(25e-3)}, "zone"),
-        ({"plies": 2}, "crossovers"),
         ({"numerics": Numerics(penalty=0.1)}, "penalty"),
         ({"numerics": Numerics(contact_damping=0.0)}, "contact_damping"),
         ({"numerics": Numerics(contact_points=2)}, "contact_points"),
