@@ -144,7 +144,8 @@ def test_no_ply_passes_through_another_and_yarns_that_do_are_counted(table):
     apart = solver.pack.places[1]
     before = np.count_nonzero(nodes_past(zone, panels, consts, states, apart))
     n = zone.first[0] + (zone.yarns[0] // 2 + 4) * zone.nodes[0] + zone.nodes[0] // 2
-    assert zone.whole[n] and zone.whole[n - 1]
+    assert zone.whole[n]
+    assert zone.whole[n - 1]
     zone.x[2, n] += 2.5 * apart
     assert np.count_nonzero(nodes_past(zone, panels, consts, states, apart)) > before
     zone.most_past = 100
