@@ -89,7 +89,10 @@ def _describe_window(window):
     """Velocities and outcomes of a window."""
     low, *_, high = (shot["strike_velocity_m_s"] for shot in window.shots)
     mixed = ": MIXED outcomes" if len(window.outcomes) > 1 else ""
-    return f"{len(window.shots)} shots at {low:.4g} to {high:.4g} m/s, {_counts(window)}{mixed}"
+    jump = f"; {window.jump.words}" if window.jump else ""
+    return (
+        f"{len(window.shots)} shots at {low:.4g} to {high:.4g} m/s, {_counts(window)}{mixed}{jump}"
+    )
 
 
 def _counts(window):
@@ -97,9 +100,12 @@ def _counts(window):
 
 
 def _list_means(window):
-    """List (mean with its standard error, value at the one velocity) of each quantity."""
+    """List (mean with its standard error, value at the one velocity) of each quantity; of none over a
+    jump."""
     from weavecell.studies.window import QUANTITIES
 
+    if window.jump is not None:
+        return []
     shot = next(
         shot for shot in window.shots if shot["strike_velocity_m_s"] == window.strike_velocity
     )

@@ -268,7 +268,8 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
         "residual_velocity": counted.setup.strike_velocity,
         "absorbed_energy": counted.strike_energy,
     }
-    if coarse.window and fine.window:
+    jumps = any(shot.window is not None and shot.window.jump for shot in (coarse, fine))
+    if coarse.window and fine.window and not jumps:
         for quantity, scale in scales.items():
             mean, error = coarse.window.mean(quantity)
             other_mean, other_error = fine.window.mean(quantity)
@@ -285,7 +286,8 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
         shots.reverse()
         comparison = replace(comparison, setup=fine.result.setup, other="coarser")
     comparison = replace(comparison, windows=tuple(shot.window for shot in shots))
-    if not comparison.same_outcome:
+    # a mean over a jump would measure where the jump lies
+    if not comparison.same_outcome or jumps:
         return comparison
     intervals = []
     for (quantity, scale, interval), (_, _, other) in zip(*map(_results, shots)):

@@ -13,6 +13,10 @@ the line, this value and its standard error are
 (D. C. Montgomery, E. A. Peck, G. G. Vining, Introduction to Linear Regression Analysis, estimation
 of the mean response). Residuals of a staircase are not normal: the standard error measures scatter,
 and is no confidence interval.
+
+A jump of the absorbed energy between two regimes, such as fabric that holds the nose or is cut out at once, is no
+scatter: a mean over it would measure where it lies. It is found from the shots themselves
+(`Window.jump`), and no mean is quoted.
 """
 
 from __future__ import annotations
@@ -31,11 +35,38 @@ from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import sweep
 
 FACTORS = 0.92, 0.96, 1.0, 1.04, 1.08
+# a jump: a step of the absorbed energy, over the largest energy and over the median of the other steps
+LEAST_JUMP = 0.2
+STANDS_OUT = 4.0
+LEAST_SHOTS = 4
 QUANTITIES = {  # key of a shot's row, words, unit
     "residual_velocity": ("residual_velocity_m_s", "residual velocity", "m/s"),
     "absorbed_energy": ("absorbed_energy_J", "absorbed energy", "J"),
     "cut_yarns": ("cut_yarns", "cut yarns", ""),
 }
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A jump of the absorbed energy within a window.
+
+    Parameters
+    ----------
+    velocities : [m/s] of the two shots between which it lies
+    energies : [J] means of the absorbed energy below and above it
+    """
+
+    velocities: tuple[float, float]
+    energies: tuple[float, float]
+
+    @property
+    def words(self) -> str:
+        """Where it lies, and what is below and above it."""
+        (low, high), (below, above) = self.velocities, self.energies
+        return (
+            f"absorbed energy jumps between {low:.4g} and {high:.4g} m/s ({below:.3g} J below, {above:.3g} J above): "
+            "no mean over it"
+        )
 
 
 @dataclass(frozen=True)
@@ -56,6 +87,25 @@ class Window:
         """{outcome: number of shots}; more than one where outcomes are mixed."""
         return Counter(shot["outcome"] for shot in self.shots)
 
+    @property
+    def jump(self) -> Jump | None:
+        """The jump of the absorbed energy between two of the shots; None if there is none, or fewer
+        than LEAST_SHOTS."""
+        shots = [shot for shot in self.shots if shot["outcome"] != "unstable"]
+        if len(shots) < LEAST_SHOTS:
+            return None
+        velocity = np.array([shot["strike_velocity_m_s"] for shot in shots])
+        energy = np.array([shot["absorbed_energy_J"] for shot in shots])
+        order = np.argsort(velocity)
+        velocity, energy = velocity[order], energy[order]
+        steps = np.abs(np.diff(energy))
+        k = int(steps.argmax())
+        others = float(np.median(np.delete(steps, k)))
+        if steps[k] < LEAST_JUMP * np.abs(energy).max() or steps[k] < STANDS_OUT * others:
+            return None
+        low, high = float(energy[: k + 1].mean()), float(energy[k + 1 :].mean())
+        return Jump((float(velocity[k]), float(velocity[k + 1])), (low, high))
+
     def mean(self, quantity: str) -> tuple[float, float]:
         """Compute (mean, standard error) of one of `QUANTITIES`, in its unit; NaN of fewer than
         three shots."""
@@ -67,13 +117,17 @@ class Window:
 
     def summary(self) -> dict[str, Any]:
         """Return all of it as plain values."""
-        mean = {}
-        error = {}
+        mean: dict[str, float | None] = {}
+        error: dict[str, float | None] = {}
+        jump = self.jump
         for name, (key, *_) in QUANTITIES.items():
-            mean[key], error[key] = self.mean(name)
+            mean[key] = error[key] = None
+            if jump is None:
+                mean[key], error[key] = self.mean(name)
         return {
             "mean": mean,
             "standard_error": error,
+            "jump": jump and {"between_m_s": jump.velocities, "absorbed_energy_J": jump.energies},
             "stopped": self.outcomes["stopped"],
             "shots": list(self.shots),
         }

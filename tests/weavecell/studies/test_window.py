@@ -10,6 +10,7 @@ from scipy.stats import linregress
 
 import weavecell as wc
 from tests.scene_text import impact_scene
+from weavecell.report import chapters_discretisation
 from weavecell.studies.window import FACTORS, QUANTITIES, Window
 
 V = 100.0 * np.array(FACTORS)
@@ -37,6 +38,42 @@ def test_an_unstable_shot_counts_in_no_mean():
     outcomes = "stopped", *("perforated",) * 3, "unstable"
     assert mean(values, outcomes) == pytest.approx((line.intercept, line.intercept_stderr))
     assert np.isnan(mean(values, ("perforated", "perforated", *("unstable",) * 3))).all()
+
+
+def window(energies):
+    """A window about 450 m/s with these absorbed energies."""
+    keys = "strike_velocity_m_s", "outcome", *(key for key, *_ in QUANTITIES.values())
+    rows = [
+        dict(zip(keys, (factor * 450.0, "perforated", 300.0 + n, energy, 40.0)))
+        for n, (factor, energy) in enumerate(zip(FACTORS, energies))
+    ]
+    return Window(450.0, tuple(rows))
+
+
+def test_no_mean_is_quoted_over_a_jump():
+    """Free edges, S-726 (energies of runs), which jump by 1.8; not over a sawtooth, a trend or scatter."""
+    jump = window([15.99, 14.4, 8.6, 8.89, 8.8]).jump
+    assert jump.velocities == pytest.approx((0.96 * 450, 450))
+    assert jump.energies == pytest.approx((np.mean([15.99, 14.4]), np.mean([8.6, 8.89, 8.8])))
+    assert "no mean over it" in jump.words
+    summary = window([15.99, 14.4, 8.6, 8.89, 8.8]).summary()
+    assert set(summary["mean"].values()) == {None}
+    for energies in (
+        [11.69, 12.2, 10.86, 11.16, 11.75],  # yawed cylinder, S-720
+        [10.0, 13.0, 16.0, 19.0, 22.0],
+        [10.0, 13.0, 9.5, 12.5, 9.8],
+    ):
+        assert window(energies).jump is None
+        assert window(energies).summary()["mean"]["absorbed_energy_J"] is not None
+
+
+def test_the_text_of_a_window_says_its_jump_in_place_of_means():
+    steady = window([9.0, 8.9, 8.8, 8.9, 8.8])
+    jumping = window([15.99, 14.4, 8.6, 8.89, 8.8])
+    assert "jumps between 432 and 450" in chapters_discretisation._describe_window(jumping)
+    assert "jump" not in chapters_discretisation._describe_window(steady)
+    assert chapters_discretisation._list_means(jumping) == []
+    assert len(chapters_discretisation._list_means(steady)) == 3
 
 
 @pytest.fixture(scope="module")
