@@ -53,15 +53,19 @@ def find_left_out(
     found = []
     if setup.crossovers is None:
         nose = "no slip, pull-out or opening of the weave"
-        if setup.plies == 1:
-            nose += "; a nose may push slippery yarns aside and pass far below a limit"
+        nose += "; a nose may push slippery yarns aside and pass far below a limit"
         text = f'yarns are pinned where they cross: {nose} (crossovers = "yarns")'
         found.append(LeftOut(MODEL, "yarns pinned", text))
     names = ", ".join(assumed_range.changes(setup))
     if around is None and names:
-        brief = "range over what is assumed not computed"
-        text = f"the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
+        first = _friction_between_yarns(setup)
+        brief = f"{first}range over what is assumed not computed"
+        text = f"{first}the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
         found.append(LeftOut(DATA, brief, text))
+    elif around is not None and setup.crossovers is not None:
+        interval = around.over_friction_between_yarns
+        if interval:
+            found.append(LeftOut(DATA, interval, f"{around.quantity} rests on {interval}"))
     if not mesh_compared:
         way = option("uncertainty")
         text = f"the error of the mesh is not computed; {way} of an impact, or docs/accuracy.md"
@@ -69,6 +73,16 @@ def find_left_out(
     if not drawn and setup.strength is None:
         found.append(LeftOut(SAMPLING, "", "all yarns have one strength; v50 draws them"))
     return tuple(found)
+
+
+def _friction_between_yarns(setup):
+    """What an answer of resolved yarns rests on first, where it is assumed: their friction, with its interval."""
+    if setup.crossovers is None or not setup.crossovers.assumed_lines:
+        return ""
+    from weavecell.studies.inputs import FRICTION_OF_CROSSOVERS, ranges
+
+    entry = ranges()[FRICTION_OF_CROSSOVERS]
+    return f"friction between yarns assumed, {entry.low:g} to {entry.high:g}; "
 
 
 def brief_words(left_out: Iterable[LeftOut]) -> str:

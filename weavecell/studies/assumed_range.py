@@ -92,8 +92,20 @@ class AssumedRange:
         """[m/s]"""
         return self._ordered[-1][0]
 
+    @property
+    def over_friction_between_yarns(self) -> str:
+        """The interval over the friction between resolved yarns, which answers rest on first; "" if it
+        was not varied."""
+        name = inputs.FRICTION_OF_CROSSOVERS
+        if name not in self.widths:
+            return ""
+        low, high = self.widths[name]
+        entry = inputs.ranges()[name]
+        over = f"friction between yarns of {entry.low:g} to {entry.high:g}"
+        return f"{over}, which is assumed: {low:.1f} to {high:.1f} m/s"
+
     def words(self) -> str:
-        """Write the range in one line."""
+        """Write the range in one line, with the interval over the friction between yarns first."""
         outcomes = sorted({row.outcome for row in self.rows if row.outcome})
         shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in self.shares.items())
         over = f"over the assumed ranges (shares: {shares})"
@@ -104,8 +116,11 @@ class AssumedRange:
             more = f"; {' or '.join(outcomes)}"
         _, lowest = self._ordered[0]
         _, highest = self._ordered[-1]
+        first = self.over_friction_between_yarns
+        if first:
+            first += "; "
         return (
-            f"{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}; lowest: {lowest}; "
+            f"{first}{self.quantity} {self.low:.1f} to {self.high:.1f} m/s {over}; lowest: {lowest}; "
             f"highest: {highest}{more}"
         )
 
@@ -208,7 +223,7 @@ def _set_value(setup, name, value):
             return replace(setup, ply_friction=value)
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
-        case "friction of crossovers" if setup.crossovers is not None:
+        case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
             return replace(setup, crossovers=replace(setup.crossovers, friction=value))
         case "lateral stiffness of yarns" if setup.crossovers is not None:
             return replace(setup, crossovers=replace(setup.crossovers, lateral=value))

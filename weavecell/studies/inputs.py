@@ -20,6 +20,7 @@ from fabrics.base.files import read_data
 from fabrics.fabric import Fabric
 from shellfabric.impact.setup import ImpactSetup
 
+FRICTION_OF_CROSSOVERS = "friction of crossovers"  # of `ranges`
 _PATH = Path(__file__).with_suffix(".toml")
 
 
@@ -70,7 +71,7 @@ def ranges() -> dict[str, families.Entry]:
     of_sheet = data_sheet.entries()
     assumed = {name: of_sheet[name] for name in data_sheet.OF_SHOTS} | table("assumed")
     of_yarns = families.entries(DATA)
-    assumed["friction of crossovers"] = of_yarns["crossover_friction"]
+    assumed[FRICTION_OF_CROSSOVERS] = of_yarns["crossover_friction"]
     assumed["lateral stiffness of yarns"] = of_yarns["lateral_stiffness"]
     return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 

@@ -9,6 +9,7 @@ import pytest
 import weavecell as wc
 from shellfabric.yarns.model import YarnZone
 from weavecell.results import left_out
+from weavecell.studies.assumed_range import AssumedRange, Row
 
 SMALL = {"opening": "100 mm", "elements_per_crossover": 1}
 
@@ -59,6 +60,18 @@ def test_what_is_computed_is_not_left_out():
     resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
     names = [part.kind for part in left_out.find_left_out(resolved)]
     assert names == ["assumed data", "mesh", "sampling"]
+    brief = left_out.brief_words(left_out.find_left_out(resolved))
+    assert brief.startswith("friction between yarns assumed, 0.1 to 0.3; ")
+    rows = [
+        Row("best estimates", "", 90.0),
+        Row("friction of crossovers 0.1", "", 60.0, "friction of crossovers"),
+        Row("friction of crossovers 0.3", "", 120.0, "friction of crossovers"),
+        Row("strength", "", 80.0, "strength after weaving"),
+    ]
+    around = AssumedRange("critical velocity", tuple(rows))
+    interval = "friction between yarns of 0.1 to 0.3, which is assumed: 60.0 to 120.0 m/s"
+    assert around.words().startswith(interval)
+    assert left_out.find_left_out(resolved, around)[0].brief == interval
     assert left_out.brief_words(every) == "yarns pinned; range over what is assumed not computed"
 
 
@@ -68,7 +81,7 @@ def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
     setup = wc.setup("S-720", "150 m/s", opening="60 mm")
     resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
     first = list_assumptions(resolved)[0]
-    assert first.startswith("assumed: friction between resolved yarns 0.2 (0.15 .. 0.25)")
+    assert first.startswith("assumed: friction between resolved yarns 0.2 (0.1 .. 0.3)")
     measured = replace(resolved, crossovers=YarnZone(friction=0.17))
     assert not any("resolved" in line for line in list_assumptions(measured))
 
