@@ -225,11 +225,11 @@ class PackSolver(ExplicitSolver):
 
     @property
     def part_indicators(self) -> tuple[quality.Indicator, ...]:
-        """Those of the parts; of one ply of pinned yarns that has stopped the projectile, the
-        friction that yarns which may slip would need to stop it."""
+        """Those of the parts; of pinned yarns that have stopped the projectile, the friction that
+        yarns which may slip would need to stop it."""
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
-        if len(self.plies) == 1 and self.reason == STOPPED and not self.replaces_membrane:
-            needed = yarns.friction_to_hold(self.panel, self.strike_velocity)
+        if self.reason == STOPPED and not self.replaces_membrane:
+            needed = yarns.friction_of_plies(self.pack.plies, self.strike_velocity)
             if needed is not None:
                 found.append(quality.indicator("friction to hold yarns", needed))
         return tuple(found)
@@ -505,6 +505,7 @@ class PackSolver(ExplicitSolver):
             "contact/guard": self.contact.guard,
             "stack": self.stack,
             "monitor": self.monitor.found,
+            "slipping": self.monitor.slipping,
         }
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

@@ -10,13 +10,14 @@ says how many of those points they flag, and how many scenes at default settings
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from fabrics.base.checks import FloatArray
+from shellfabric.membrane import unzipping
 
 OK = "ok"
 NOTED = "noted"
@@ -24,6 +25,9 @@ DOUBTFUL = "doubtful"
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
+SLIPPING = 0.5  # [-] share of the loaded crossings that would slip, from which on yarns may unzip
+RECOIL = 0.3  # [-] share of the absorbed energy that viscosity takes after the first failure, from which on they may
+LEAST_LOADED = 100  # crossings, of which a share says something
 
 
 @dataclass(frozen=True)
@@ -197,6 +201,11 @@ LIMITS = {
         0.15,
         "slip of a resolved yarn beside the rim of its zone, in crossovers",
     ),
+    "unzipping": (
+        1.5,
+        "pinned yarns unzip, since a cut one hands its whole tension to the next at once: cut yarns over those under "
+        "the nose, counted if over half of the loaded crossings would slip and viscosity took over 30 % afterwards",
+    ),
     "yarns past the next ply": (
         0.01,
         "nodes of resolved yarns that were half a thickness or more behind the next ply, at one time at most, "
@@ -204,7 +213,7 @@ LIMITS = {
     ),
     "friction to hold yarns": (
         0.25,
-        "least friction between yarns with which one ply stops this projectile; with less, it pushes them aside and "
+        "least friction between yarns with which a ply stops this projectile; with less, it pushes them aside and "
         'passes, which crossovers = "yarns" computes',
     ),
 }
@@ -225,6 +234,7 @@ REMEDIES = {
     "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
     "friction to hold yarns": 'compare with crossovers = "yarns"',
+    "unzipping": 'compare with crossovers = "yarns"',
 }  # name: what to do beyond the limit
 
 
@@ -238,7 +248,8 @@ class Monitor:
     """Samples of a run, taken with the solver's own, reduced to sums and maxima.
 
     Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads
-    then rings, and torn fabric hangs in other fabric, without an error.
+    then rings, and torn fabric hangs in other fabric, without an error. From then on it is sampled
+    which crossings of pinned yarns would slip (`membrane.unzipping`): before, hardly any would.
 
     Parameters
     ----------
@@ -249,27 +260,39 @@ class Monitor:
     found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the
         squares of the node-to-node alternation of the tension and of the tension [N2]; furthest
         that the ply and those behind it have closed, over the thickness [-]
+    slipping : (plies,) [-] largest share of the loaded crossings of a ply that would slip
     """
 
     def __init__(self, solver: Any) -> None:
         self.found = np.zeros((len(solver.plies), 3))
+        self.slipping = np.zeros(len(solver.plies))
         plies = solver.pack.plies
         self._places = [ply.nearest_lines for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
 
     def sampled(self, solver: Any) -> None:
-        """Take a sample at every EVERY-th sample of the solver, as long as no yarn has failed."""
+        """Take a sample at every EVERY-th sample of the solver."""
         from shellfabric.membrane.quality_kernels import sample
 
         if solver.replaces_membrane:
             return  # about the nose there are yarns in the place of the panel's edges
-        if len(solver.samples) % EVERY or any(state.failures for state in solver.states):
+        if len(solver.samples) % EVERY:
+            return
+        if any(state.failures for state in solver.states):
+            self._sample_slip(solver)
             return
         for (_, const, state), row, (i, j), light in zip(
             solver.plies, self.found, self._places, self._light
         ):
             sample(state, const, i, j, *light, row)
         self.found[:-1, -1] = solver.deepest
+
+    def _sample_slip(self, solver):
+        """Keep the largest share of the crossings of each torn ply that would slip."""
+        for p, (panel, const, state) in enumerate(solver.plies):
+            if state.failures and "F" in panel.table.values:
+                slip, loaded = unzipping.slipping_crossings(panel, const, state)
+                self.slipping[p] = max(self.slipping[p], slip / max(loaded, LEAST_LOADED))
 
     @property
     def oscillation(self) -> float:
@@ -339,6 +362,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
             broken * max(panel.spacing) / panel.fabric.failure_length,
         ),
         indicator("yarns an element", float(panel.finest)),
+        *_unzipping(solver, cut_yarns, energies),
         *_path(solver),
         *_extrapolation(solver),
     ]
@@ -348,6 +372,28 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         collided = float(energies["ply_collisions"][-1])
         found.append(indicator("ply collisions", max(collided, 0.0) / strike))
     return tuple(found)
+
+
+def _unzipping(solver, cut_yarns, energies):
+    """The indicator of pinned yarns that are cut one by one: [] of a run without a cut pinned yarn.
+
+    It counts a ply in which more than SLIPPING of the loaded crossings would slip, in a run whose
+    viscosity took more than RECOIL of the energy absorbed after the first failure: recoil of yarns that are cut
+    far from the nose.
+    """
+    if solver.replaces_membrane or not cut_yarns[-1] > 0:
+        return []
+    kinetic = energies["kinetic_projectile"]
+    absorbed = max(kinetic[0] - kinetic[-1], 1e-3 * kinetic[0])
+    recoil = split_viscous(cut_yarns, energies)[1] / absorbed
+    slipping = solver.monitor.slipping
+    struck = np.array([unzipping.yarns_under_the_nose(panel) for panel in solver.pack.plies])
+    ratios = solver.ply_sample("cut_yarns")[-1] / struck
+    speaks = (slipping > SLIPPING) & (recoil > RECOIL)
+    found = indicator("unzipping", float(ratios.max(where=speaks, initial=0.0)))
+    words = f"cut over struck yarns {ratios.max():.1f}, {100 * slipping.max():.0f} % of the loaded crossings would "
+    words += f"slip with friction {unzipping.FRICTION:g}, viscosity took {100 * recoil:.0f} % after the first failure"
+    return [replace(found, meaning=f"{found.meaning}; {words}")]
 
 
 def _path(solver):
