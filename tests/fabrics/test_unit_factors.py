@@ -136,6 +136,11 @@ def test_the_usual_units_need_no_pint():
         "print('pint' in sys.modules)"
     )
     assert printed(code) == "False"
+    code = (
+        "import sys; from fabrics import catalogue, plausible; plausible.rows(); "
+        "[catalogue.load(name) for name in catalogue.list_names()]; print('pint' in sys.modules)"
+    )
+    assert printed(code) == "False"
 
 
 def test_an_angle_has_a_unit():

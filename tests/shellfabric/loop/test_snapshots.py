@@ -53,6 +53,8 @@ PARTS = {
     "quarter": {},
     "half": {"symmetry": "half"},
     "whole": {"symmetry": "whole"},
+    # forces of the rows above a block of rows stand by themselves
+    "small blocks": {"numerics": Numerics(threads=1, block=60)},
     "pack": {"plies": 2, "opening": 0.04},
     "oblique": {"symmetry": "whole", "weave_angle": 0.4},
 }

@@ -1,17 +1,22 @@
 """Plies of unlike fabrics on each other: thickness, law and gap of each pair, whichever is in front."""
 
+from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace as Given
 
 import numpy as np
 import pytest
-from conftest_tools import Pressed, grid
+from conftest_tools import Pressed, bring, grid
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
+from shellfabric.loop import ply_audit
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane import edges
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import frame_kernels
 from shellfabric.plies.model import Pack, PlyContact
-from tests.shellfabric.panels import make_panel
+from tests.shellfabric.panels import UNDAMPED, make_panel
 
 NAMES = "S-728", "S-726", "S-731"
 GAPS = 20e-6, 50e-6
@@ -80,3 +85,56 @@ def test_laws_of_pairs_are_of_their_two_fabrics_in_either_order(unlike):
     for one, other in zip(forward, backward[::-1]):
         closures = np.linspace(1e-6, 0.9 * one.travel, 7)
         assert other.pressure_at(closures) == pytest.approx(one.pressure_at(closures), rel=1e-9)
+
+
+def test_the_step_goes_by_the_lighter_of_two_plies(unlike):
+    """Where the contact of plies bounds the step it is the same, whichever of two is in front."""
+    stiff = PlyContact(stiffness=50.0)
+    one, other = (
+        Pack(tuple(plies), GAPS[:1], contact=stiff).time_step
+        for plies in (unlike[:2], unlike[1::-1])
+    )
+    assert one == pytest.approx(other, rel=1e-12)
+    assert one < min(ply.time_step for ply in unlike[:2])
+    assert unlike[0].weave.areal_density != pytest.approx(unlike[1].weave.areal_density, rel=0.1)
+
+
+def test_the_deepest_closure_is_over_the_mean_thickness_of_two():
+    pressure = Given(max_closure=np.array([3e-5, 5e-5, 0.0]))
+    solver = Given(contact=Given(thickness=np.array([2e-4, 4e-4, 6e-4]), pressure=pressure))
+    assert PackSolver.deepest.fget(solver) == pytest.approx([0.1, 0.1])
+
+
+@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+def test_reactions_of_warp_and_weft_are_their_own_yarns_tensions(unlike, symmetry):
+    """A panel of S-726, stretched evenly: at its edges each family has the force of the cell at these stretches."""
+    panel = replace(
+        unlike[1], symmetry=symmetry, opening=(0.02, 0.0213), trellis=False, numerics=UNDAMPED
+    )
+    assert panel.spacing[0] != pytest.approx(panel.spacing[1], rel=0.05)
+    stretches = 1.012, 1.02
+    (state,), _ = Pack.of(panel).states(1.0)
+    const = panel.constants()
+    x = np.stack([*panel.coordinates(), np.zeros(np.add(panel.counts, 1))], axis=-1)
+    bring(panel, state, x * np.array([*stretches, 1.0]))
+    found = ply_audit.edge_reactions(panel, const, state, edges.ends(panel))
+    force = panel.table.model.solve(*stretches)
+    assert found == pytest.approx((float(force["N1"]), float(force["N2"])), rel=0.01)
+    assert found[0] != pytest.approx(found[1], rel=0.1)
+
+
+def test_energies_of_the_contact_of_plies_add_up_to_its_work():
+    """What is rubbed and what is lost with dropped elements stand by themselves; collisions are the guard's."""
+    pressure = Given(
+        work=np.array([70.0, 30.0]),
+        friction_work=np.array([11.0, 2.0]),
+        lost_energy=np.array([5.0, 1.5]),
+    )
+    contact = Given(pressure=pressure, guard=Given(work=7.0))
+    found = PackSolver._contact_energies(Given(contact=contact))
+    assert found == {
+        "ply_contact": 80.5,
+        "ply_contact_lost": 6.5,
+        "ply_friction": 13.0,
+        "ply_collisions": 7.0,
+    }

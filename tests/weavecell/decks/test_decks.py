@@ -364,6 +364,9 @@ def test_parts_cards_and_curves_of_a_deck_belong_together(unlike):
                 stretch, stress = card.cloth.uniaxial(family)
                 close(np.interp(stretch - 1, *points.T), stress, stress)
     else:
+        parts = lines_below(content, "/PART", "#")
+        numbers = [(part["prop_ID"], part["mat_ID"]) for part in parts]
+        assert numbers == [("1", "1"), ("2", "2"), ("3", "3")]
         for card, (rows, _) in zip(made.cards, deck_readers.radioss(content).values(), strict=True):
             assert rows[4][2:4] == pytest.approx(card.cloth.crimp, rel=0.01)
 

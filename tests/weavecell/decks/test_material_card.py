@@ -70,3 +70,18 @@ def test_curves_are_no_steeper_than_the_yarns():
 def test_what_has_no_card_is_refused():
     with pytest.raises(InputError, match="no \\[shear\\]"):
         Cloth(CellModel(catalogue.load("glass-balanced")))
+
+
+def test_stress_times_thickness_is_the_force_of_the_yarns_of_a_metre():
+    """Warp and weft of S-726, whose counts are unlike: moduli, strengths and the stress of a stretched cell."""
+    fabric = cloth("S-726")
+    weave = fabric.model.fabric.weave
+    force = fabric.model.solve(1.01, 1.02)
+    stress = fabric.stress(1.01, 1.02)
+    for family, (yarn, across) in enumerate(zip(weave.yarns, weave.w[::-1])):
+        yarns = 1 / (2 * across)  # a metre, of crossing cells two half spacings wide
+        assert fabric.modulus[family] * fabric.thickness == pytest.approx(yarns * yarn.EA)
+        assert fabric.strength[family] * fabric.thickness == pytest.approx(yarns * yarn.strength)
+        wanted = yarns * force[f"N{family + 1}"]
+        assert stress[family] * fabric.thickness == pytest.approx(wanted)
+    assert weave.w[0] != pytest.approx(weave.w[1], rel=0.02)

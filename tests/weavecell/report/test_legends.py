@@ -32,6 +32,7 @@ from weavecell.results.wave_fronts import Front
 from weavecell.studies import probit, v50
 from weavecell.studies.assumed_range import AssumedRange, Row
 from weavecell.studies.ballistic_limit import Limit, Shot
+from weavecell.studies.energy_map import EnergyMap
 from weavecell.studies.sweep import QUANTITIES
 
 ROOT = Path(__file__).parents[3]
@@ -643,6 +644,44 @@ def slices(pyplot):
             assert_allclose(points.get_xydata(), xy(1e6 * along, ours[cut]))
             assert_allclose(line.get_xydata(), xy(1e6 * along, others[cut]))
             assert points.get_label() == f"3D, d$_{2 - row}$ = {1e6 * across[cut]:.0f} µm"
+    return None
+
+
+@case(pictures_surface.energy_map)
+def energy_map(pyplot):
+    """Strains of warp along x, of weft along y; the mark of a path is at its named state or at its end."""
+    warp, weft = np.linspace(0, 0.03, 31), np.linspace(0, 0.02, 21)
+    share = np.stack(np.broadcast_arrays(warp[:, None] / 0.025, weft / 0.015), axis=2)
+    energy = 1e3 * (warp[:, None] * 40 + weft * 90)
+    found = EnergyMap("S-720", warp, weft, energy, share)
+    paths = {
+        "first": (np.array([0, 0.002, 0.004]), np.array([0, 0.006, 0.007]), 1),
+        "second": (np.array([0, 0.011, 0.013]), np.array([0, 0.001, 0.005])),
+    }
+    figure = pictures_surface.energy_map(pyplot, found, paths)
+    axes, bar = figure.axes
+    named = {line.get_label(): line.get_xydata() for line in axes.lines}
+    assert_allclose(named["first"], [[0.2, 0.6]])
+    assert_allclose(named["second"], [[1.3, 0.5]])
+    _, *at = found.most
+    assert_allclose(named["most energy"], [[100 * strain for strain in at]])
+    whole = [line.get_xydata() for line in axes.lines if len(line.get_xdata()) == 3]
+    for drawn, (x, y, *_) in zip(whole, paths.values(), strict=True):
+        assert_allclose(drawn, 100 * xy(x, y))
+    labels = axes.get_xlabel(), axes.get_ylabel(), bar.get_ylabel()
+    assert labels[:2] == ("strain along the warp [%]", "strain along the weft [%]")
+    assert labels[2] == "energy over the area at rest [kJ/m²]"
+    colours = [line.get_color() for line in axes.lines if "strength" in line.get_label()]
+    assert colours == [pictures_surface.WARP, pictures_surface.WEFT]
+    edges = [
+        each
+        for each in axes.collections
+        if len(each.get_paths())
+        and len(each.get_paths()[0].vertices) > 1
+        and each.get_linewidth()[0] > 2
+    ]
+    for drawn, axis, at_strength in zip(edges, (0, 1), (2.5, 1.5)):
+        assert_allclose(drawn.get_paths()[0].vertices[:, axis], at_strength, rtol=1e-6)
     return None
 
 

@@ -11,6 +11,7 @@ import weavecell as wc
 from shellfabric.impact.run import run_impact
 from weavecell.api import limits
 from weavecell.api.scatter import V50Result
+from weavecell.results.impact import ImpactRecord
 from weavecell.studies import compare, sweep, v50, window
 from weavecell.studies.ballistic_limit import Limit, Shot
 
@@ -238,6 +239,31 @@ def test_peaks_of_a_pack_are_those_of_ply_and_family(shot):
         assert share == pytest.approx(each[ply] / strength)
         histories = result.plies[f"peak_{name}"]
         assert histories[-1].tolist() == each.tolist()
+
+
+def test_peaks_of_warp_and_weft_may_be_in_other_plies():
+    """Tension, share of its own strength, time, place and ply of each family."""
+    record = Given(
+        peak_tension=np.array([[70.0, 20.0], [50.0, 80.0]]),
+        peak_tension_time=np.array([[1.0, 2.0], [3.0, 4.0]]),
+        peak_tension_place=np.array([[(1, 2), (3, 4)], [(5, 6), (7, 8)]]),
+        strength=np.array([[100.0, 200.0], [400.0, 800.0]]),
+    )
+    warp, weft = ImpactRecord.peaks.fget(record).values()
+    assert (warp.tension, warp.share, warp.time, list(warp.place), warp.ply) == (
+        70,
+        0.7,
+        1,
+        [1, 2],
+        1,
+    )
+    assert (weft.tension, weft.share, weft.time, list(weft.place), weft.ply) == (
+        80,
+        0.1,
+        4,
+        [7, 8],
+        2,
+    )
 
 
 def test_columns_of_a_shot_are_its_histories(shot):

@@ -225,8 +225,10 @@ def test_each_yarn_has_its_own_strength(panel, per):
         assert_array_equal(failed.any(axis=family), factors[family][yarns] < 0.999)
 
 
-def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
+@pytest.mark.parametrize("name", ["S-720", "S-726"])  # of equal and of unlike spacings
+def test_a_graded_panel_has_the_yarns_of_the_uniform_one(name):
     """The same draws; where elements are one crossover long each line has the strength of its yarn."""
+    fabric = catalogue.load(name).with_effective_density()
     uniform, graded = (
         strengths.draw_panel(
             setup_of(fabric, 0.08, grading=zones), inputs.read_scatter(), 1, 3
@@ -241,7 +243,9 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(fabric):
         near = abs(places) < 12
         assert np.count_nonzero(near) == 23
         assert_array_equal(lines[near], all_yarns[half - 11 : half + 12])
-        assert np.all(lines[~near] <= all_yarns[half + places[~near].astype(int)])
+        # the outermost line may stand a little beyond the last yarn
+        far = ~near & (abs(places) < half)
+        assert np.all(lines[far] <= all_yarns[half + places[far].astype(int)])
     one, other = (
         v50.fire(setup_of(fabric, OPENING, grading=zones), inputs.read_scatter(), 1, 3, 150.0)
         for zones in (((np.inf, 1),), None)
@@ -390,7 +394,10 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
     monkeypatch.setattr(v50, "_search_limit", lambda setup, _: ("", limit_of(setup)))
     monkeypatch.setattr(v50.run_cache, "key", digest)
     setup = setup_of(fabric, 0.08)
-    shots = tuple(fire(setup, None, 1, n, v) for n, v in enumerate((90.0, 95.0, 105.0, 110.0)))
+    # of the panels 1 and 3 there is no outcome
+    numbers = (0, 2, 4, 5)
+    velocities = (90.0, 95.0, 105.0, 110.0)
+    shots = tuple(fire(setup, None, 1, n, v) for n, v in zip(numbers, velocities))
     fired.clear()
     curves = {"probit": probit.fit([90, 95, 105, 110], [False, False, True, True])}
     study = v50.Study((99.5, 100.5), shots, curves, v50.Scatter())
@@ -398,7 +405,7 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
     assert alone.quantity == "limit without scatter"
     assert fired == []
     found = v50.run_assumed_range(setup, study, again=True, seed=1, folder=tmp_path)
-    assert set(fired) == {0, 1, 2, 3}
+    assert set(fired) == set(numbers)
     assert (found.low, found.high) == pytest.approx((100 * 0.5**0.5, 100 * 2**0.5))
     assert next(iter(found.widths)) == "failure length"
 
