@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import (
     InputError,
     UndecidedError,
@@ -40,7 +41,7 @@ from weavecell.api.study_result import StudyResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import checks
 from weavecell.results import out_folder, progress
-from weavecell.results.left_out import brief_words
+from weavecell.results.left_out import SAMPLING, LeftOut, brief_words
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ _CSV = {  # heading: column of `to_dataframe`, format
 }
 
 
+# shots beside the bracket that look for mixed outcomes, at most
+LOOKS = 2
 NAMES = (
     "critical-velocity.json",
     "shots.csv",
@@ -84,8 +87,8 @@ def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
     tolerance: float | str = "1 m/s",
-    residual_shots: int = 8,
-    scan: bool = True,
+    residual_shots: int = 2,
+    scan: bool | None = None,
     scan_above: float | str = "25 %",
     scan_below: float | str = "10 %",
     scan_step: float | str = "2 %",
@@ -93,13 +96,14 @@ def critical_velocity(
     check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
 ) -> CriticalVelocityResult:
-    """Find the critical velocity (ballistic limit) of a ply or pack by bisection, and fit its
-    residual velocities.
+    """Find the critical velocity (ballistic limit) of a ply or pack by bisection, and fit the
+    residual velocities of its shots.
 
-    Further shots scan the velocities about the bracket. If a shot stops although a slower one
-    perforates, no single critical velocity exists: the result is doubtful, and has the zone of
-    mixed outcomes. A doubtful shot counts with its outcome, but a bracket or a mixed zone that ends
-    with one is doubtful too (`bracket_checks`).
+    A shot 2 to 8 % below the bracket and one above it, of the search or besides, show whether
+    outcomes mix; only then the velocities about the bracket are scanned, unless `scan` is given. If
+    a shot stops although a slower one perforates, no single critical velocity exists: the result is
+    doubtful, and has the zone of mixed outcomes. A doubtful shot counts with its outcome, but a bracket or a mixed zone
+    that ends with one is doubtful too (`bracket_checks`).
 
     The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. A
     shot ends with its outcome, so these keys of an input file are ignored: title,
@@ -115,8 +119,10 @@ def critical_velocity(
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
     tolerance : largest difference between highest stop and lowest perforation [m/s]
-    residual_shots : shots above the limit, for the Lambert-Jonas fit
-    scan : whether the velocities about the bracket are scanned for mixed outcomes
+    residual_shots : shots from 3 % above the limit to twice the limit, for the Lambert-Jonas fit; 8
+        make its intervals narrow
+    scan : scan the velocities about the bracket for mixed outcomes: always, or never; if not given
+        where the shots of the search have some
     scan_above : range above the highest stop that is scanned for further stops
     scan_below : range below the lowest perforation that is scanned for others
     scan_step : interval between shots of the scan
@@ -156,7 +162,7 @@ def critical_velocity(
         around: ScanRange | None = ScanRange(**numbers)
     residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
     # the range of a scan is checked even if none is wanted
-    if not scan:
+    if scan is False:
         around = None
     how, keys = Execution.split(options)
     panel = resolve_target(target, keys, honoured.LIMITS, function="critical_velocity")
@@ -164,7 +170,7 @@ def critical_velocity(
     if check:
         fired = residual_shots
         if around is not None:
-            fired += round((around.above + around.below) / around.step)
+            fired += round((around.above + around.below) / around.step) if scan else LOOKS
         searches = 1
         if over is not None:
             searches += ranges.searches(over)
@@ -194,11 +200,16 @@ def critical_velocity(
 
         with panel.name_problems():
             study = limits.search(
-                panel.setup, residual_shots=residual_shots, scan=around, stage=stage, **beside
+                panel.setup,
+                residual_shots=residual_shots,
+                scan=around,
+                only_mixed=scan is None,
+                stage=stage,
+                **beside,
             )
         seconds = time.perf_counter() - began
         result = CriticalVelocityResult(
-            panel, study.limit, study.fit, scan=around, wall_time=seconds
+            panel, study.limit, study.fit, scan=study.scan, wall_time=seconds
         )
         # what is written with the result need not be kept apart
         ended.clear()
@@ -243,7 +254,7 @@ class CriticalVelocityResult(StudyResult):
     limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
     assumed_range : AssumedRange of the critical velocity, or None
-    scan : ScanRange about the bracket, or None
+    scan : ScanRange about the bracket that was scanned, or None
     wall_time : [s]
 
     Examples
@@ -275,6 +286,16 @@ class CriticalVelocityResult(StudyResult):
     def shots(self) -> tuple[Shot, ...]:
         """All shots, by strike velocity."""
         return tuple(sorted(self.limit.shots, key=lambda shot: shot.strike_velocity))
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """As in `StudyResult`; and the scan, if there was none."""
+        found = super().left_out
+        if self.scan is not None:
+            return found
+        way = option("scan")
+        text = f"few outcomes beside the bracket were computed; {way} looks for mixed ones about it"
+        return (*found, LeftOut(SAMPLING, "", text))
 
     @property
     def critical_velocity(self) -> float | None:

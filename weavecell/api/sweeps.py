@@ -49,8 +49,8 @@ if TYPE_CHECKING:
 __all__ = ["SweepResult", "SweepTable", "sweep"]
 
 SEED = "panel.strength.seed"
-# a scan about the bracket takes about so many shots with its default range
-SCANNED = 18
+# shots beside the bracket of a limit that look for mixed outcomes, at most
+LOOKS = 2
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -171,7 +171,7 @@ def sweep(
         for panel in panels:
             strengths.check(panel.setup, inputs.read_scatter())
     if check:
-        fired, searches = {"shot": (1, 0), "critical-velocity": (SCANNED, 1)}.get(
+        fired, searches = {"shot": (1, 0), "critical-velocity": (LOOKS, 1)}.get(
             quantity, (shots, 1)
         )
         part = {}

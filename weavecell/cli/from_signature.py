@@ -237,7 +237,7 @@ def _parameter(parameter, meaning):
     if default is parameter.empty and not required:
         default = None
     words = [_option(name)]
-    if default is True or name in LEFT_OUT:
+    if default is True or name in LEFT_OUT or parameter.annotation == "bool | None":
         words = [f"{words[0]}/--no-{words[0][2:]}"]
     if name in SHORT:
         words.append(SHORT[name])

@@ -19,7 +19,7 @@ from weavecell.studies.limit_scan import ScanRange
 
 # strike velocities of the first and last residual shot, over the velocity above which all shots
 # perforate
-RESIDUAL_SHOTS = 1.03, 2.0
+RESIDUAL_SHOTS = 1 + limit_scan.LOOK, 2.0
 
 # called with a title; a context whose value is called as report(share of the work done, Shot or
 # None)
@@ -34,10 +34,12 @@ class LimitStudy:
     ----------
     limit : Limit, with all shots
     fit : Lambert-Jonas fit to the perforations
+    scan : the range that was scanned, or None
     """
 
     limit: Limit
     fit: LambertJonas
+    scan: ScanRange | None = None
 
 
 def search(
@@ -46,11 +48,13 @@ def search(
     tolerance: float,
     residual_shots: int = 0,
     scan: ScanRange | None,
+    only_mixed: bool = False,
     stage: Stage = lambda title: nullcontext(lambda *_: None),
     folder: FilePath | None = None,
     **beside: Any,
 ) -> LimitStudy:
-    """Search the limit: bisect, scan about the bracket, fire residual shots, and fit them.
+    """Search the limit: bisect, scan about the bracket, fire residual shots, and fit all that
+    perforate.
 
     Parameters
     ----------
@@ -58,6 +62,8 @@ def search(
     tolerance : see `ballistic_limit.critical_velocity`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
+    only_mixed : whether it is scanned only if the shots of the search, and one beside either end of
+        the bracket, have mixed outcomes
     stage : progress of each stage
     folder : where shots are kept, and taken from
     beside : jobs and executor of `ballistic_limit.critical_velocity`
@@ -72,16 +78,24 @@ def search(
         limit = ballistic_limit.critical_velocity(
             panel, tolerance=tolerance, report=advance, **beside
         )
+    if scan is not None and only_mixed:
+        with stage("Outcomes beside the bracket") as advance:
+            limit = limit_scan.look_beside(panel, limit, report=advance, **beside)
+        if limit.single:
+            scan = None
     if scan is not None and scan.ladder(limit):
         with stage("Scan about the bracket") as advance:
             limit = limit_scan.scan(panel, limit, scan, report=advance, **beside)
     if residual_shots:
         with stage("Residual velocities") as advance:
             fastest = max(limit.high, limit.highest_stop)
+            known = [shot.strike_velocity for shot in limit.shots]
             strikes = fastest * np.geomspace(*RESIDUAL_SHOTS, residual_shots)
+            # the look above the bracket may be the first of them
+            strikes = [float(v) for v in strikes if not np.isclose(v, known, rtol=1e-9).any()]
             shots = ballistic_limit.shoot(panel, strikes, report=advance, **beside)
             limit = limit_scan.with_shots(limit, shots)
-    return LimitStudy(limit, residual_fit(limit))
+    return LimitStudy(limit, residual_fit(limit), scan)
 
 
 def residual_fit(limit: Limit) -> LambertJonas:

@@ -24,6 +24,10 @@ from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot, shoot
 
 # [m/s] no shot is fired beyond
 HIGHEST = 1000.0
+# a search that is not to be scanned has a shot in this band [-] beyond either end of its bracket, of its
+# own or one more, at LOOK
+BESIDE = 0.02, 0.08
+LOOK = 0.03
 # a range with more steps is a slip of the input
 MOST_STEPS = 1000
 
@@ -106,6 +110,34 @@ def scan(
         limit = with_shots(limit, fired)
         known.update(wanted)
     return limit
+
+
+def look_beside(
+    panel: Panel | Pack,
+    limit: Limit,
+    *,
+    executor: str | Executor = "local",
+    jobs: int = 1,
+    report: Callable[..., object] | None = None,
+    kept: KeptShots | None = None,
+) -> Limit:
+    """Fire a shot a few percent below the bracket and one above it, unless the search has fired
+    there: two looks at whether outcomes mix.
+
+    Parameters and errors as of `scan`.
+    """
+    least, most = BESIDE
+    wanted = []
+    for end, sign in ((limit.low, -1), (limit.high, 1)):
+        beyond = [sign * (shot.strike_velocity / end - 1) for shot in limit.shots]
+        velocity = (1 + sign * LOOK) * end
+        if not any(least <= share <= most for share in beyond) and velocity <= HIGHEST:
+            wanted.append(velocity)
+    if not wanted:
+        return limit
+    return with_shots(
+        limit, shoot(panel, wanted, executor=executor, jobs=jobs, report=report, kept=kept)
+    )
 
 
 def with_shots(limit: Limit, shots: Sequence[Shot]) -> Limit:

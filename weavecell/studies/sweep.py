@@ -90,9 +90,9 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
 
 
 def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
-    """Search the critical velocity, in its bracket, or the zone of mixed outcomes if there is
-    one."""
-    limit = limits.search(setup, tolerance=tolerance, scan=ScanRange()).limit
+    """Search the critical velocity, in its bracket, or the zone of mixed outcomes if the shots of
+    the search show one, which is then scanned."""
+    limit = limits.search(setup, tolerance=tolerance, scan=ScanRange(), only_mixed=True).limit
     low, high = limit.mixed_zone or (limit.low, limit.high)
     return {
         "outcome": "single limit" if limit.single else MIXED,

@@ -49,6 +49,9 @@ def test_the_forecast_of_a_v50_with_a_range_counts_six_times_the_shots_and_two_s
 
 def test_the_forecast_of_a_limit_counts_residual_shots_and_scan():
     limit = wc.critical_velocity("S-720", opening="50 mm", check=True)
+    assert limit.shots == SHOTS_OF_A_SEARCH + 2 + 2
+    more = {"residual_shots": 8, "scan": True}
+    limit = wc.critical_velocity("S-720", opening="50 mm", check=True, **more)
     assert limit.shots == SHOTS_OF_A_SEARCH + 8 + 18
     assert 0 < limit.cpu_time[0] < limit.cpu_time[1]
 
@@ -57,6 +60,6 @@ def test_the_forecast_of_a_sweep_is_the_sum_over_its_rows(tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     over = {"panel.plies": [1, 2]}
     swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
-    assert swept.shots == 2 * (SHOTS_OF_A_SEARCH + 18)
+    assert swept.shots == 2 * (SHOTS_OF_A_SEARCH + 2)
     assert swept.searches == 2
     assert not list(tmp_path.iterdir())

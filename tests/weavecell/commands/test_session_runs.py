@@ -80,7 +80,7 @@ def numbers(value, at=""):
 
 
 def limit(_):
-    found = wc.critical_velocity(set_up(SCENES["limit"]), residual_shots=4)
+    found = wc.critical_velocity(set_up(SCENES["limit"]), residual_shots=3)
     shots = sorted(found.limit.shots, key=lambda shot: shot.strike_velocity)
     entries = [
         {"strike_velocity_m_s": s.strike_velocity, "residual_velocity_m_s": s.residual_velocity}

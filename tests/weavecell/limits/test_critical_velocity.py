@@ -78,7 +78,7 @@ def mixed(command, scene, tmp_path, monkeypatch):
         outcome = "stopped" if stops else "perforated"
         return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 
-    def search(options=""):
+    def search(options="--scan --residual-shots 4"):
         code, out, _ = command(f"critical-velocity {scene} --jobs 1 --out r {options}")
         return code, out, tmp_path / "r"
 
@@ -88,7 +88,7 @@ def mixed(command, scene, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("last", [0, 1, 7, 15])
 def test_an_interrupted_search_goes_on_behind_its_last_shot(command, mixed, monkeypatch, last):
-    whole, *_ = read(mixed("--out whole")[2].parent / "whole")
+    whole, *_ = read(mixed("--scan --residual-shots 4 --out whole")[2].parent / "whole")
     fire = ballistic_limit._fire
     fired = []
 
@@ -105,7 +105,7 @@ def test_an_interrupted_search_goes_on_behind_its_last_shot(command, mixed, monk
     with monkeypatch.context() as going_on:
         last = 1000
         going_on.setattr(ballistic_limit, "_fire", until)
-        code, _, folder = mixed("--resume")
+        code, _, folder = mixed("--scan --residual-shots 4 --resume")
     assert code == 0
     # the shot that was under way may have ended before it was written
     assert len(set(fired)) >= len(fired) - 1
@@ -169,16 +169,65 @@ def test_a_zone_of_mixed_outcomes_is_doubtful(mixed):
 
 
 def test_a_doubtful_zone_is_an_error_that_leaves_all_files_if_that_is_wanted(mixed):
-    code, _, folder = mixed("--strict")
+    code, _, folder = mixed("--scan --strict")
     assert code == 3
     assert names(folder) == FILES
 
 
 def test_without_a_scan_the_bisection_sees_one_limit_alone(mixed):
-    _, out, folder = mixed("--scan-above '0 %' --scan-below '0 %' --residual-shots 0")
+    _, out, folder = mixed("--no-scan")
     assert "critical velocity 1" in out
     assert "doubtful" not in out
     assert len(read(folder)[1]) < 12
+
+
+@pytest.fixture
+def looked(command, scene, tmp_path, monkeypatch):
+    """A search with options, of a panel that stops below 140 m/s and where `stops` says so: summary, rows, output."""
+
+    def search(stops, options=""):
+        def fire(_, velocity, __):
+            held = velocity < 140.0 or stops(velocity)
+            residual = 0.0 if held else (velocity**2 - 139.0**2) ** 0.5
+            outcome = "stopped" if held else "perforated"
+            return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1, 1), 0.0, 0.0)
+
+        monkeypatch.setattr(ballistic_limit, "_fire", fire)
+        code, out, _ = command(f"critical-velocity {scene} --jobs 1 --out {tmp_path}/r {options}")
+        assert code == 0
+        return *read(tmp_path / "r"), out
+
+    return search
+
+
+def test_by_default_a_limit_takes_a_third_of_the_shots(looked):
+    """One limit is found by its search and two looks at most; its curve has a shot at twice the limit."""
+    summary, rows, out = looked(lambda _: False)
+    _, all_rows, _ = looked(lambda _: False, "--scan --residual-shots 8")
+    assert len(rows) <= 0.45 * len(all_rows)  # fast ones, which end first, among them
+    assert summary["scan"] is None
+    assert summary["critical_velocity_m_s"] == pytest.approx(140.0, abs=0.5)
+    assert "--scan looks for mixed ones" in out
+    low, high = summary["bracket_m_s"]
+    strikes = np.array([float(row["strike velocity [m/s]"]) for row in rows])
+    for beyond in (strikes / high - 1, 1 - strikes / low):
+        assert ((beyond >= 0.02) & (beyond <= 0.08)).any()
+    # v_r^2 = v^2 - 139^2
+    assert summary["lambert_jonas"]["a"] == pytest.approx(1.0, abs=0.05)
+
+
+def test_outcomes_that_mix_beside_the_bracket_are_scanned(looked):
+    """The search ends at 152 m/s; the look 3 % below perforates: the zone is that of the whole scan."""
+    beside = lambda velocity: 148.0 < velocity < 152.0  # noqa: E731
+    summary, rows, out = looked(beside)
+    assert "no single critical velocity" in out
+    low, high = summary["mixed_zone_m_s"]
+    assert 140.0 < low < 148.0 < high < 152.0
+    assert summary["scan"]["above"] == 0.25
+    whole, all_rows, _ = looked(beside, "--scan")
+    assert whole["mixed_zone_m_s"] == [low, high]
+    # looks that the search has not fired itself are all that it has more
+    assert 0 <= len(rows) - len(all_rows) <= 2
 
 
 def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):

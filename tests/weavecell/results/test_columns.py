@@ -1,6 +1,7 @@
 """Every column of a table against the field of the shot that it is named after, on numbers that are all different."""
 
 import io
+from dataclasses import replace
 from types import SimpleNamespace as Given
 
 import numpy as np
@@ -13,6 +14,7 @@ from weavecell.api import limits
 from weavecell.api.scatter import V50Result
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import compare, sweep, v50, window
+from weavecell.studies import limit as limit_study
 from weavecell.studies.ballistic_limit import Limit, Shot
 
 FIELDS = (
@@ -281,3 +283,20 @@ def test_columns_of_a_shot_are_its_histories(shot):
     for name, history in result.energies.items():
         if f"energy_{name}_J" in table:
             assert list(table[f"energy_{name}_J"]) == list(history), name
+
+
+def test_a_stop_with_a_little_velocity_left_is_a_stop_of_the_curve():
+    """Of a limit and of a V50: the fit is that without what is left."""
+    slow = Shot(85.0, 4.0, "stopped", 1e-4, 0, (1.0, 2.0), 0.0, 1.0)
+    limit = Limit(85.0, 95.0, (*SHOTS, slow))
+    still = Limit(85.0, 95.0, (*SHOTS, replace(slow, residual_velocity=0.0)))
+    assert limit_study.residual_fit(limit) == limit_study.residual_fit(still)
+    fits = []
+    for left in (4.0, 0.0):
+        shots = [(s.strike_velocity, s.residual_velocity, s.perforated) for s in SHOTS]
+        drawn = [
+            v50.Shot(n, *shot, 1, 1, 1, (1, 1), (0, 0), 0.0)
+            for n, shot in enumerate([*shots, (85.0, left, False)])
+        ]
+        fits.append(v50.Study((90.0, 91.0), tuple(drawn), {}, v50.Scatter()).lambert_jonas)
+    assert fits[0] == fits[1]
