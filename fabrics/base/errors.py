@@ -39,19 +39,44 @@ class WeavecellError(Exception):
         return lines
 
 
+# signals of this process that `raise_interrupt` made an interrupt of
+_interrupts: list[int] = []
+
+
+def raise_interrupt(number: int, _frame: object) -> None:
+    """Raise KeyboardInterrupt, and remember it: a handler of signals.
+
+    Raises
+    ------
+    KeyboardInterrupt
+    """
+    _interrupts.append(number)
+    raise KeyboardInterrupt
+
+
 @contextmanager
 def interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt in this block also where it came while numba was calling a kernel,
-    which makes a SystemError of it."""
+    """Raise KeyboardInterrupt in this block also where it came inside of a library that makes
+    another error of it: numba a SystemError as it calls a kernel, VTK an ImportError as it loads."""
+    before = len(_interrupts)
     try:
         yield
-    except SystemError as problem:
-        cause: BaseException | None = problem
-        while cause is not None:
-            if isinstance(cause, KeyboardInterrupt):
-                raise KeyboardInterrupt from None
-            cause = cause.__cause__ or cause.__context__
+    except (WeavecellError, OSError):
         raise
+    except Exception as problem:
+        if len(_interrupts) > before or _is_of_interrupt(problem):
+            raise KeyboardInterrupt from None
+        raise
+
+
+def _is_of_interrupt(problem):
+    """Whether a SystemError goes back to an interrupt."""
+    cause = problem
+    while isinstance(problem, SystemError) and cause is not None:
+        if isinstance(cause, KeyboardInterrupt):
+            return True
+        cause = cause.__cause__ or cause.__context__
+    return False
 
 
 class InputError(WeavecellError, ValueError):

@@ -3,6 +3,7 @@
 import io
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import textwrap
@@ -19,6 +20,7 @@ from fabrics.base import executors, files
 from fabrics.base.errors import InputError, WeavecellError
 from tests.scene_text import impact_scene
 from weavecell.api.lists import format_for_terminal
+from weavecell.results import termination
 
 COUNT = int(os.environ.get("WEAVECELL_BYTES", "40"))
 ROOT = Path(wc.__file__).parents[1]
@@ -247,3 +249,24 @@ def test_an_interrupt_inside_a_kernel_is_an_interrupt():
             raise SystemError("returned a result with an exception set") from problem
     with pytest.raises(SystemError), interrupts():
         raise SystemError("of another cause")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_an_interrupt_that_a_library_makes_another_error_of_is_an_interrupt(number):
+    def load():
+        try:
+            os.kill(os.getpid(), number)
+        except KeyboardInterrupt:
+            raise ImportError("no module named vtkViewsCore") from None
+
+    with pytest.raises(KeyboardInterrupt), termination.interrupt_on_sigterm():
+        load()
+    # a full disk, or a refusal, while what was computed is written, is told as it is
+    for kind in (OSError, InputError):
+        with pytest.raises(kind), termination.interrupt_on_sigterm():
+            try:
+                load()
+            except ImportError:
+                raise kind("no space") from None
+    with pytest.raises(ImportError), termination.interrupt_on_sigterm():
+        raise ImportError("that is so")

@@ -8,21 +8,24 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from fabrics.base.errors import interrupts
+from fabrics.base.errors import interrupts, raise_interrupt
+
+# what a program that has chosen nothing does at a signal
+_DEFAULTS = {signal.SIGTERM: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
 
 
 @contextmanager
 def interrupt_on_sigterm() -> Iterator[None]:
-    """Raise KeyboardInterrupt at SIGTERM in this block, unless the program has a handler of its
-    own; so does an interrupt inside a kernel."""
-    default = signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    if not default or threading.current_thread() is not threading.main_thread():
-        with interrupts():
-            yield
-        return
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    """Raise KeyboardInterrupt at SIGTERM and Ctrl-C in this block, unless the program has a handler
+    of its own; also where they come inside of a library that makes another error of it."""
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        for number, default in _DEFAULTS.items():
+            if signal.getsignal(number) is default:
+                before[number] = signal.signal(number, raise_interrupt)
     try:
         with interrupts():
             yield
     finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for number, handler in before.items():
+            signal.signal(number, handler)
