@@ -172,7 +172,8 @@ def from_text(
     def validate(value, info):
         try:
             return convert(value, reader(info))
-        except InputError:
+        # a whole number of hundreds of digits is no float
+        except (InputError, OverflowError):
             # the type does not know the limits that its key adds
             raise ValueError("not allowed") from None
 

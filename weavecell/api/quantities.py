@@ -37,7 +37,7 @@ def number(value: Any, unit: str, key: str) -> float:
         return si(value, unit, key=key)
     try:
         converted = float(value)
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         converted = float("nan")
     if isinstance(value, bool) or not isfinite(converted):
         raise InputError(

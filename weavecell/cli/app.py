@@ -122,14 +122,14 @@ def _root(
 
 
 class _Lines(logging.Handler):
-    """What is assumed goes to stdout with the results, each line once; warnings go to stderr."""
+    """What is assumed goes to stdout with the results, warnings go to stderr, each line once."""
 
     def __init__(self) -> None:
         super().__init__()
         self.printed: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.levelno == logging.INFO and record.getMessage() in self.printed:
+        if record.getMessage() in self.printed:
             return
         self.printed.add(record.getMessage())
         progress.write(
