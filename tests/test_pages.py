@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import json
 import re
 import shlex
 import tomllib
@@ -207,3 +208,13 @@ STATED = {  # words of a page before a limit in %, and the limit of the code
 def test_a_limit_is_the_same_on_every_page_and_in_the_code(words, limit):
     texts = " ".join(" ".join(TEXTS.values()).split())
     assert set(map(float, re.findall(words, texts))) == {100 * limit}
+
+
+def test_the_head_of_the_bar_example_says_what_the_run_gives():
+    head = (ROOT / "examples/S-720-bar.toml").read_text("utf-8").partition("title")[0]
+    known = json.loads((ROOT / "tests/golden/impact-S-720-bar.json").read_text("utf-8"))
+    text = " ".join(head.replace("#", " ").split())
+    assert f"{1e3 * known['bar.shortening']:.2f} mm shorter" in text
+    assert (f"{known['residual_velocity']:.0f} m/s left" in text) == (
+        known["outcome"] == "perforated"
+    )

@@ -1,12 +1,15 @@
 """Files of any bytes, texts of any signs, terminals of any encoding: a line or a result, never a traceback."""
 
+import fcntl
 import io
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import textwrap
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -270,3 +273,51 @@ def test_an_interrupt_that_a_library_makes_another_error_of_is_an_interrupt(numb
                 raise kind("no space") from None
     with pytest.raises(ImportError), termination.interrupt_on_sigterm():
         raise ImportError("that is so")
+
+
+def test_a_file_is_read_although_another_holds_its_lock(tmp_path):
+    """As from a drive without locks, where each lock fails."""
+    import h5py
+
+    path = tmp_path / "a.h5"
+    with files.write_hdf5(path, "kind 1") as file:
+        file["x"] = np.arange(3.0)
+    with open(path, "rb") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        with pytest.raises(OSError, match="unable to lock file"):
+            h5py.File(path, "r")
+        with files.read_hdf5(path, "kind 1") as file:
+            assert list(file["x"]) == [0.0, 1.0, 2.0]
+
+
+def test_no_file_is_opened_with_a_lock():
+    opened = []
+    for folder in ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell"):
+        for path in (ROOT / folder).rglob("*.py"):
+            opened += re.findall(r"h5py\.File\(.*", path.read_text())
+    assert len(opened) > 1
+    # in memory, or for reading without a lock
+    assert [line for line in opened if "content" not in line and "locking=False" not in line] == []
+
+
+def test_a_coupon_that_is_terminated_is_interrupted(tmp_path):
+    """A real SIGTERM at a process that relaxes a strip."""
+    (tmp_path / "bias.toml").write_text(
+        '[fabric]\nname = "S-720"\n[bias_extension]\nlength = "100 mm"\nwidth = "40 mm"\n'
+        'elongation = "5 mm"\n[run]\nsteps = 200\noutputs = []\n'
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-m", "weavecell", "coupon", "bias.toml", "--out", "bias"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not (tmp_path / "bias" / "checkpoint.h5").exists() and process.poll() is None:
+        time.sleep(0.01)
+    process.terminate()
+    said = process.communicate()[1]
+    assert process.returncode == 130
+    assert "Traceback" not in said
+    assert said.endswith("error: interrupted; --resume goes on from its last step\n")

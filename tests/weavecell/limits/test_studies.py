@@ -10,7 +10,11 @@ from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, rows_of, table_of
 from weavecell.api import sweeps
+from weavecell.api.sweeps import SweepTable
+from weavecell.api.target import resolve_target
+from weavecell.report.shot import chapters_shot
 from weavecell.results import progress
+from weavecell.scenes import honoured
 from weavecell.studies import limit as limits
 from weavecell.studies import sweep as analysis
 from weavecell.studies.ballistic_limit import Limit, Shot
@@ -125,6 +129,16 @@ def test_the_report_of_a_v50_study_begins_with_v50_and_what_was_shot_at(results)
     assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
     assert f"{panel}, struck by a cylinder of 3 g and 5.5 mm." in page
     assert "An up-and-down series of at most" in page
+
+
+@pytest.mark.parametrize("quantity, drawn", [("v50", True), ("critical-velocity", False)])
+def test_a_sweep_says_whether_each_yarn_has_a_drawn_strength(quantity, drawn):
+    """V50 draws strengths, in a sweep too; all yarns of a limit have the same."""
+    panel = resolve_target("S-720", {}, honoured.V50)
+    table = SweepTable(quantity, ("panel.opening",), (), (panel,))
+    assert table.draws_strengths == drawn
+    section = chapters_shot.assumptions(panel.setup, (), drawn=table.draws_strengths)
+    assert ("it is the same for all yarns" in str(section)) == (not drawn)
 
 
 def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):

@@ -64,3 +64,19 @@ def test_examples_of_docstrings_run(module):
     found = doctest.testmod(module)
     assert found.attempted > 0
     assert found.failed == 0
+
+
+@pytest.mark.parametrize(
+    "name, heading",
+    [
+        ("six_shot_spread_met_ft_s", "six shot spread met [ft/s]"),
+        ("fastest_stop_m_s", "fastest stop [m/s]"),
+        ("left_s", "left [µs]"),
+    ],
+)
+def test_a_speed_in_feet_is_no_time(name, heading):
+    """A spread of 60 ft/s was a time of 6e7 us."""
+    key = keys.infer_key(name)
+    table = display.frame({key.meaning: (key.unit, [60.0])})
+    assert table.columns[0] == heading
+    assert table.iloc[0, 0] == (60e6 if "µs" in heading else 60.0)
