@@ -30,8 +30,9 @@ printed: setup  ## every command that the guide prints, run as a reader would: t
 nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
 	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again package convergence
 
-package: setup  ## the wheel by Python 3.11 to 3.13, and the container image step by step: built, and tried as users would
+package: setup  ## the wheel by Python 3.11 to 3.13, with the newest and the lowest packages, and the container image step by step: built, and tried as users would
 	tools/package.sh wheel
+	tools/package.sh lowest
 	tools/package.sh image
 
 validate: test-slow ledger  ## the long tests, and the ledger of the thesis's claims
@@ -44,6 +45,9 @@ convergence: setup  ## critical velocities by mesh and by the force of the clamp
 
 fuzz: setup  ## N random scenes of the sequence SEED: a quarter of an hour of two cores
 	HYPOTHESIS_PROFILE=fuzz $(RUN) pytest tests/fuzz/test_properties.py --hypothesis-seed $(SEED)
+	$(RUN) tests.fuzz.mutations --seed $(SEED) --count 2000
+	WEAVECELL_BYTES=500 $(RUN) pytest -q tests/refusals/test_bytes.py
+	$(RUN) tests.fuzz.kills --seed $(SEED) --count 200
 	$(RUN) tests.fuzz --seed $(SEED) --count $(N) --jobs $(JOBS) --out $(RESULTS)/fuzz
 
 figures: demo  ## the figures of README and docs

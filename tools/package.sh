@@ -2,6 +2,7 @@
 # Builds what users install, and tries it as they would: `make package`. No container daemon is needed.
 #
 #   tools/package.sh wheel                  the tests of the wheel, by Python 3.11, 3.12 and 3.13, with packages of PyPI
+#   tools/package.sh lowest                 the same by Python 3.11, with the lowest versions that pyproject.toml allows
 #   tools/package.sh image [SUITE]          the steps of packaging/Dockerfile in a root of debootstrap, then two commands in it;
 #                                           SUITE is another release of Debian than the one that the Dockerfile names
 #
@@ -23,6 +24,16 @@ wheel() {
     echo "package: wheel by $("$python" -V)"
     WHEEL_PYTHON=$python "${VENV:-.venv}/bin/python" -m pytest -q -p no:cacheprovider tests/installed/test_wheel.py
   done
+}
+
+lowest() {
+  local python
+  python=$(python_of 3.11)
+  PIP_CONSTRAINT=$(mktemp) && export PIP_CONSTRAINT
+  "$python" tools/lower_bounds.py >"$PIP_CONSTRAINT"
+  echo "package: wheel by $("$python" -V), with $(tr '\n' ' ' <"$PIP_CONSTRAINT")"
+  WHEEL_PYTHON=$python "${VENV:-.venv}/bin/python" -m pytest -q -p no:cacheprovider tests/installed/test_wheel.py
+  rm "$PIP_CONSTRAINT"
 }
 
 # A command line in the root of the image, in the folder `at`, with the network settings of this machine for pip.
@@ -71,7 +82,8 @@ image() {
 
 case ${1:-} in
   wheel) wheel ;;
+  lowest) lowest ;;
   image) exec unshare --mount --fork "$0" image-in-own-mounts "${2:-}" ;;
   image-in-own-mounts) image "$2" ;;
-  *) sed -n '2,9s/^# \{0,1\}//p' "$0" && exit 2 ;;
+  *) sed -n '2,10s/^# \{0,1\}//p' "$0" && exit 2 ;;
 esac

@@ -29,3 +29,30 @@ def test_the_conda_environment_has_what_the_package_needs():
         re.match(r"[\w-]+", each)[0] for each in names
     }
     assert by_pip == {"pip": ["--editable ."]}
+
+
+# an impact with pictures and report was run with these together, by Python 3.11 without a screen
+RUN = """numpy 1.24.0, scipy 1.10.0, numba 0.60.0, pint 0.23, pydantic 2.5.0, typer 0.13.1, rich 13.0.0, jinja2 3.1.0,
+matplotlib 3.6.3, pyvista 0.45.3, vtk 9.4.2, SALib 1.5.0, tomlkit 0.12.0, pandas 2.0.0, tqdm 4.64.0, trimesh 4.4.0,
+h5py 3.8.0"""
+
+
+def test_lower_bounds_are_versions_that_were_run(tool):
+    """pandas 1.5 could not be installed beside SALib, typer 0.12 crashed, pyvista 0.43 with a free vtk too."""
+
+    def number(version):
+        return tuple(int(part) for part in f"{version}.0.0".split(".")[:3])
+
+    run = dict(entry.split() for entry in RUN.replace("\n", " ").split(", "))
+    bounds = dict(line.split("==") for line in tool("lower_bounds").lines())
+    assert bounds.keys() == run.keys()
+    assert {name for name in run if number(bounds[name]) < number(run[name])} == set()
+
+
+def test_the_nightly_job_has_the_lowest_and_the_newest_packages():
+    nightly = (ROOT / ".ci/nightly").read_text("utf-8")
+    assert "make nightly" in nightly
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    assert "--jobs 1 fuzz ledger printed docs-again package convergence" in makefile
+    for kind in ("wheel", "lowest"):
+        assert f"\ttools/package.sh {kind}\n" in makefile
