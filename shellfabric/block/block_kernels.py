@@ -8,8 +8,8 @@ logarithmic strains,
     P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= (sigma_y + H alpha) (1 + rate of alpha / reference)^m
 
 (J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and
-9). m = 0 is without rate. The return is exact along the trial; the rate is that of the step,
-implicit and so without a bound on it. A brick whose effective plastic strain alpha reaches the
+9; the return is in `flow_kernels`). m = 0 is without rate. The return is exact along the trial; the
+rate is that of the step, implicit and so without a bound on it. A brick whose effective plastic strain alpha reaches the
 erosion strain is taken out; its mass stays on its nodes, what it had stored goes to a term of its
 own. Hourglass control is that of `brick_kernels`: a potential, blind to rotation. A linear bulk
 viscosity, xi rho c L d(ln J)/dt, damps the highest mode. L is the least height of the brick as it
@@ -28,6 +28,7 @@ import numpy as np
 from numba import prange
 
 from shellfabric.block.brick_kernels import brick_nodes, hourglass, mean_deformation
+from shellfabric.flow_kernels import flow_increment
 from shellfabric.jit.compile import entry, kernel
 
 SWEEPS = 12  # of Jacobi's rotations; three or four are enough
@@ -111,34 +112,6 @@ def from_principal(values, n, b):
     for c in range(3):
         for d in range(3):
             b[c, d] = v0 * n[c, 0] * n[d, 0] + v1 * n[c, 1] * n[d, 1] + v2 * n[c, 2] * n[d, 2]
-
-
-@kernel()
-def flow_increment(q, hard, law, dt):
-    """Compute the increment d [-] of the effective plastic strain in a step of dt [s] from a trial
-    stress q [Pa] above `hard` [Pa]:
-
-    q - 3 G d = (hard + H d) (1 + d / c)^m,  c = dt reference rate;  Newton's iteration on s = ln(1 + d / c) from
-    above: from the increment without rate, or from the rate at which q itself is the flow stress.
-    """
-    G = law.shear_modulus
-    H = law.hardening
-    m = law.rate_exponent
-    c = dt * law.reference_rate
-    most = (q - hard) / (3.0 * G + H)
-    if m == 0.0 or c == 0.0:
-        return most
-    s = min(math.log1p(most / c), math.log(q / hard) / m)
-    for _ in range(60):
-        grown = math.exp(s)
-        factor = math.exp(m * s)
-        d = c * (grown - 1.0)
-        over = q - 3.0 * G * d - (hard + H * d) * factor
-        change = over / (3.0 * G * c * grown + (m * (hard + H * d) + H * c * grown) * factor)
-        s = max(s + change, 0.0)
-        if abs(change) < 1e-12:
-            break
-    return c * math.expm1(s)
 
 
 @kernel()
