@@ -56,6 +56,8 @@ class Part:
     motion : (6,) of a body of the projectile, as `Stack.motion`
     contacts : {energy: name in messages} of its contacts, which can store and lose energy but not
         give any
+    nose_of_block : of a body of the projectile whose shape changes, the Nose that a block behind the
+        plies meets
     """
 
     name: str = ""
@@ -72,6 +74,7 @@ class Part:
     meets_nose: bool = False
     motion: FloatArray | None = None
     contacts: Mapping[str, str] = {}
+    nose_of_block: Any = None
 
     def cut(self, state: State) -> None:
         """Take out of a state at rest what the part stands in for."""
@@ -79,6 +82,9 @@ class Part:
     def seen(self, const: Constants, ply: int) -> Constants:
         """Return the constants of a ply with what it sees of the part."""
         return const
+
+    def join(self, parts: Iterable[Part]) -> None:
+        """Find what the part needs of the other parts of its run, once all are made."""
 
     def begin(self, state: State, const: Constants, stack: Any) -> None:
         """Do what comes before the first step, once the time step and the forces at rest are known:

@@ -82,6 +82,23 @@ class PointLaw(Row):
     )
 
 
+class Profile(Row, kept=True):
+    """The meridian of a body of revolution, set back by the edge radius (`projectile.profile_kernels`).
+
+    Its places are those of the nose's frame: r from the axis, z along it, 0 at the foremost point. A
+    ring is a node of the outline; not every ring has its place in the profile. All that touches one
+    body shares its places, and has its own forces.
+    """
+
+    count = tally("-", "nodes of the profile")
+    place = array("rings, 2", "m", "places (r, z) of these nodes, from the tip on")
+    ring = array("rings int64", "-", "ring of each of them")
+    velocity = array("rings, 2", "m/s", "velocities (r, z) of the rings, over that of the nose")
+    force = array("rings, 2", "N", "forces (r, z) on the rings")
+    widest = total("m", "largest radius of the body")
+    shoulder = total("m", "depth behind the nose at which it has that radius")
+
+
 class Nose(Row):
     """The shape of a projectile (`projectile.sdf_kernels`)."""
 
@@ -90,6 +107,7 @@ class Nose(Row):
     edge_radius = number("m", "radius that rounds the edges")
     length = number("m", "length of the projectile; infinite without a rear end")
     form = array("n", "m, -", "further numbers of the shape, or of a solid its nodes")
+    profile = row(Profile, "meridian of a body of revolution; empty of another shape")
 
 
 class Surface(Row):
@@ -244,6 +262,9 @@ class Constants(Row):
     )
     shoulder = number("m", "depth behind the nose from which the projectile has its full width")
     friction = number("-", "Coulomb friction coefficient between fabric and projectile")
+    holds_force = flag(
+        "whether the projectile deforms, and holds the contact force of a step ago over a step"
+    )
     slip_node = array("n int64", "-", "slots of the nodes that slip in the clamp")
     slip_axis = array("n int64", "-", "axis along which each of them moves")
     slip_length = array("n", "m", "slip of each that is prescribed, along that axis")

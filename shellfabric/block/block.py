@@ -33,6 +33,7 @@ from shellfabric.block.hex8 import Bricks
 from shellfabric.block.state import BlockLaw, BlockPoints, BlockRow
 from shellfabric.parts import own_steps
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.state import Nose
 from shellfabric.subcycle_kernels import make_steps
 
 ENERGIES = (
@@ -276,19 +277,34 @@ class Block:
         found["stiffness"] = stiffness
         found["damping"] = 2 * backing.contact_damping * np.sqrt(stiffness * mass)
 
-    def strike(self, position: FloatArray, speed: FloatArray, projectile: Projectile) -> np.ndarray:
-        """Let a rigid projectile touch the block in this step; return the force (3,) [N] on the
-        part of it that is modelled.
+    def strike(
+        self,
+        position: FloatArray,
+        speed: FloatArray,
+        projectile: Projectile,
+        nose: Nose | None = None,
+    ) -> np.ndarray:
+        """Let a projectile touch the block in this step; return the force (3,) [N] on the part of it
+        that is modelled.
 
         Parameters
         ----------
         position, speed : (3,) [m], [m/s] of the nose
         projectile : Projectile, along z
+        nose : its shape as it is; None of one that does not change
         """
+        if nose is None:
+            nose = projectile.nose
+        row = self.row
         position = np.asarray(position, float)
-        touch.nose_forces(self.row, position, np.asarray(speed, float), projectile.nose)
-        force = self.row.nose_force + self.row.nose_drag
-        return self._take(self.row.force_before, force, speed)
+        speed = np.asarray(speed, float)
+        ring_power = touch.nose_forces(row, position, speed, nose)
+        force = row.nose_force + row.nose_drag
+        if projectile.deforms:  # it holds the force of a step ago over all of the step:
+            # the last half of what the force of a step ago does, in place of the first of this one
+            later = float((row.force_before - force)[2] * speed[2])
+            row.taken -= self.dt * (ring_power + 0.5 * later)
+        return self._take(row.force_before, force, speed)
 
     def press(
         self,

@@ -1,4 +1,4 @@
-"""Contact of a block (`block_kernels`) with a rigid projectile, and with points such as those of a
+"""Contact of a block (`block_kernels`) with a projectile, and with points such as those of a
 ply.
 
 Both are penalties with damping, never less than nothing together; what one side gets the other
@@ -31,7 +31,13 @@ from numba import prange
 from shellfabric.contact import normal_kernels
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.projectile import sdf_kernels
-from shellfabric.surface.vector_kernels import dot, subtract
+from shellfabric.projectile.profile_kernels import (
+    clear_profile,
+    profile_power,
+    profile_velocity,
+    push_profile,
+)
+from shellfabric.surface.vector_kernels import dot, scaled, subtract
 
 SLICES = 16  # of the points, which threads share
 MAX_COLUMNS = 50  # columns that a point is followed across in one call
@@ -51,7 +57,8 @@ def node_active(i, j, k, block):
 
 @entry()
 def nose_forces(block, position, speed, nose):
-    """Add the forces of a rigid projectile on the nodes of the block to block.outer and drags.
+    """Add the forces of a projectile on the nodes of the block to block.outer and drags; those on a
+    body that deforms to the rings of its profile.
 
     Energy and forces of the contact, into block.nose_spring_energy, nose_force and nose_drag.
 
@@ -59,12 +66,22 @@ def nose_forces(block, position, speed, nose):
     ----------
     position, speed : (3,) of the nose [m], [m/s]
     nose : its shape
+
+    Returns
+    -------
+    power : [W] of the forces of a step ago on the rings of a profile, at its velocities over that of
+        the nose
     """
     x = block.x
+    power = 0.0
     block.nose_spring_energy = 0.0
     block.nose_force[:] = 0.0
     block.nose_drag[:] = 0.0
     widest = nose.radius * nose.radius
+    if nose.kind == sdf_kernels.PROFILE:
+        widest = nose.profile.widest**2
+        power = profile_power(nose.profile)
+        clear_profile(nose.profile)
     for i in range(block.nx + 1):
         for j in range(block.ny + 1):
             for k in range(block.nz + 1):
@@ -75,10 +92,17 @@ def nose_forces(block, position, speed, nose):
                     continue
                 if not node_active(i, j, k, block):
                     continue
-                gap, normal = sdf_kernels.distance(nose, place)
+                foot = 0.0, 0.0
+                velocity = subtract(block.v[n], speed)
+                if nose.kind == sdf_kernels.PROFILE:
+                    foot, gap, normal = sdf_kernels.distance_to_profile(nose, place)
+                    own = profile_velocity(nose.profile, place, foot)
+                    velocity = subtract(velocity, own)
+                else:
+                    gap, normal = sdf_kernels.distance(nose, place)
                 if gap >= 0.0:
                     continue
-                opening = dot(subtract(block.v[n], speed), normal)
+                opening = dot(velocity, normal)
                 push, stored = normal_kernels.spring(block.stiffness[n], -gap)
                 drag = normal_kernels.damping_force(push, block.damping[n], opening)
                 block.nose_spring_energy += stored
@@ -87,6 +111,9 @@ def nose_forces(block, position, speed, nose):
                     block.drags[n, c] -= drag * normal[c]
                     block.nose_force[c] -= push * normal[c]
                     block.nose_drag[c] -= drag * normal[c]
+                if nose.kind == sdf_kernels.PROFILE:
+                    push_profile(nose.profile, place, foot, scaled(-push - drag, normal))
+    return power
 
 
 @kernel()

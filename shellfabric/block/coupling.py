@@ -14,7 +14,7 @@ whatever the angle of the last ply.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
@@ -184,6 +184,7 @@ class BackingCoupling(Part):
     def __init__(self, backing: Backing, panel: Any, const: Any) -> None:
         self.backing = backing
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
+        self.shape = self.projectile.nose
         self.const = const
         self.threads = panel.numerics.threads
         self.p = backing.points
@@ -211,6 +212,12 @@ class BackingCoupling(Part):
             [((1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t) for s in along for t in along]
         )
 
+    def join(self, parts: Iterable[Part]) -> None:
+        """Find the nose of a projectile that deforms, see Part."""
+        for part in parts:
+            if part.nose_of_block is not None:
+                self.shape = part.nose_of_block
+
     def begin(self, state: Any, const: Any, stack: Any) -> None:
         """Let the block take the step that it is ahead, see Part."""
         stack.after_stop = self.backing.after_stop
@@ -235,7 +242,7 @@ class BackingCoupling(Part):
             for of in (state.projectile_position, state.projectile_velocity)
         )
         state.f_block_nose[:] = turned_back(
-            block.strike(position, velocity, self.projectile), self._turned_back
+            block.strike(position, velocity, self.projectile, self.shape), self._turned_back
         )
         if state.failures > 0:  # yarns have failed
             eroded = (self._nodal(state.element_flag)[:-1, :-1] & ERODED) != 0

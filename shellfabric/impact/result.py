@@ -17,6 +17,7 @@ from shellfabric.loop.snapshots import Snapshot
 from shellfabric.membrane import quality
 from shellfabric.membrane.grid import SYMMETRIES
 from shellfabric.membrane.model import Panel
+from shellfabric.metal.body import MetalHistory
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics
 
@@ -45,7 +46,8 @@ class ImpactData:
     guard_impulses : number of impulses that kept plies from passing through each other
     measured : tuple of histories.Histories of each ply that has been followed; empty where nothing
         was to be recorded
-    bar : dynamics.BarHistory of tip, tail and centre of mass; None of a rigid projectile
+    bar : dynamics.BarHistory of tip, tail and centre of mass; None of another projectile
+    metal : metal.body.MetalHistory of a body of metal at the end; None of another projectile
     backing : block.coupling.BackingResult, the block behind the fabric at the end, or None
     checks : tuple of quality.Indicator
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
@@ -66,6 +68,7 @@ class ImpactData:
     guard_impulses: int
     measured: tuple[histories.Histories, ...] = ()
     bar: dynamics.BarHistory | None = None
+    metal: MetalHistory | None = None
     backing: BackingResult | None = None
     checks: tuple = ()
     steps: int
@@ -193,6 +196,7 @@ def collect_result(
         guard_impulses=solver.held_apart,
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
         bar=of_parts.get("bar"),
+        metal=of_parts.get("metal"),
         backing=of_parts.get("backing"),
         projectile_position=last[0].projectile_position.copy(),
         last=last,

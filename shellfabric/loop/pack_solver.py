@@ -24,6 +24,7 @@ from shellfabric.loop.driver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.membrane import edges, quality
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.perforation import held, passed
+from shellfabric.metal import body as metal
 from shellfabric.parts import make_table, parts_of
 from shellfabric.plies import near_kernels
 from shellfabric.plies.arrays import on_grids
@@ -47,7 +48,7 @@ CONTACTS = {
     "ply_collisions": "the guard between plies",
 }
 # what makes the parts of a run besides those of its plies: (pack, constants, velocity) -> parts
-OF_A_RUN = dynamics.make_bodies, coupling.make_blocks
+OF_A_RUN = dynamics.make_bodies, metal.make_bodies, coupling.make_blocks
 PLY_SAMPLES = (
     "cut_yarns",
     "reaction_warp",
@@ -145,6 +146,9 @@ class PackSolver(ExplicitSolver):
         for make in OF_A_RUN:
             for part in make(self.pack, self.consts, self.strike_velocity):
                 found[part.ply].append(part)
+        made = [part for parts in found for part in parts]
+        for part in made:
+            part.join(made)
         tables = [
             make_table(parts, self._graded, state) for parts, state in zip(found, self.states)
         ]
@@ -152,7 +156,7 @@ class PackSolver(ExplicitSolver):
             state._replace(parts=table) for state, table in zip(self.states, tables)
         )
         self.consts = tuple(self._seen(p, const, found) for p, const in enumerate(self.consts))
-        for part in (part for parts in found for part in parts):
+        for part in made:
             if part.motion is not None:
                 self.stack = self.stack._replace(motion=part.motion)
         return tuple(map(tuple, found))
@@ -486,7 +490,7 @@ class PackSolver(ExplicitSolver):
             pack.angles,
         )
         for parts, (_, const, state) in zip(self.parts, self.plies):
-            known += const.nested(), state.mass, state.inverse_mass
+            known += _at_rest(const), state.mass, state.inverse_mass
             known += tuple(part.identity() for part in parts)
         return known, self.module
 
@@ -514,3 +518,11 @@ class PackSolver(ExplicitSolver):
             "ply_samples": self.ply_samples,
             "histories": self.histories,
         }
+
+
+def _at_rest(const):
+    """{name: value} of the constants of a ply, but for the profile of a body that changes: that
+    follows from the part which moves it."""
+    known = const.nested()
+    nose = {name: value for name, value in known["nose"].items() if name != "profile"}
+    return known | {"nose": nose}

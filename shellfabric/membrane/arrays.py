@@ -140,6 +140,7 @@ def _constants(panel):
         foremost_offset=shot.top,
         shoulder=shot.shoulder,
         friction=shot.friction,
+        holds_force=shot.deforms,
         **rim,
         bending=_bending(panel),
         packing_stiffness=float(packing_stiffness(panel.fabric)),

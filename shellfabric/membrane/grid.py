@@ -626,7 +626,7 @@ class PanelGrid:
         free end follow the projectile from anywhere, over the whole panel; on a graded one contact
         stays in the first zone.
         """
-        wide = self.projectile.radius / self.projectile.frame[2, 2]
+        wide = self.projectile.reach_radius / self.projectile.frame[2, 2]
         found = []
         slips: tuple[float, ...] = (0.0, 0.0)
         if self.sides is not None:

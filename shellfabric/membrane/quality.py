@@ -197,6 +197,14 @@ LIMITS = {
         0.1,
         "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
     ),
+    "jacket strain": (
+        1.0,
+        "largest plastic strain of the projectile's jacket over that at which it would tear, which is not computed",
+    ),
+    "projectile hourglass": (
+        0.01,
+        "energy of the hourglass control of the projectile over the strike energy",
+    ),
     "slip at the rim": (
         0.15,
         "slip of a resolved yarn beside the rim of its zone, in crossovers",

@@ -1,5 +1,5 @@
-"""Contact of the fabric with a rigid projectile: penalty on a signed distance, over points of a
-smooth surface.
+"""Contact of the fabric with a projectile: penalty on a signed distance, over points of a smooth
+surface.
 
 The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its
 axis along z. A projectile whose axis is tilted has a frame of its own, into which positions are
@@ -43,6 +43,12 @@ from shellfabric.jit.simd import (
     where,
 )
 from shellfabric.projectile import sdf_kernels
+from shellfabric.projectile.profile_kernels import (
+    clear_profile,
+    profile_power,
+    profile_velocity,
+    push_profile,
+)
 from shellfabric.projectile.window_kernels import (
     erode,
     intact_at_point,
@@ -84,7 +90,11 @@ def contact_forces(state, const, work):
     """
     # half a step's work of the last forces, on the velocities that they have had an effect on
     before = half_step_work(state, const, state.f_contact, state.nose_window, True)
+    held = nose_power(state, const)
     before += 0.5 * const.dt * dot(state.f_contact_nose, state.projectile_velocity)
+    if const.nose.kind == sdf_kernels.PROFILE:
+        before += 0.5 * const.dt * profile_power(const.nose.profile)
+        clear_profile(const.nose.profile)
     see_nose(state, const, work)
     i0, i1, j0, j1 = bounds(state.contact_window)
     state.friction_spring_energy = 0.0
@@ -100,7 +110,25 @@ def contact_forces(state, const, work):
     push = work.nose_force
     state.f_contact_nose[0], state.f_contact_nose[1] = turned(surface.turn, push[0], push[1])
     state.f_contact_nose[2] = push[2]
+    if const.holds_force:
+        # the body holds the force of a step ago over all of the step
+        before += 0.5 * const.dt * (held - nose_power(state, const))
     return taken - before, spring
+
+
+@kernel(_nrt=False)
+def nose_power(state, const):
+    """Compute the power [W] of the ply's force on the projectile along its axis, in which a body that
+    deforms moves in steps of its own, and on the rings of its profile."""
+    force = 0.0
+    velocity = 0.0
+    for c in range(3):
+        force += const.frame[2, c] * state.f_contact_nose[c]
+        velocity += const.frame[2, c] * state.projectile_velocity[c]
+    power = force * velocity
+    if const.nose.kind == sdf_kernels.PROFILE:
+        power += profile_power(const.nose.profile)
+    return power
 
 
 @kernel(_nrt=False)
@@ -181,7 +209,7 @@ def beside_nose8(state, const, i, j, work):
         beside = maximum(fabs(dot(work.axes[c], middle)) - half_width8(work.axes[c], half), 0.0)
         square = fma(beside, beside, square)
     ahead = dot(work.axes[2], middle) - half_width8(work.axes[2], half)
-    return movemask(greater(ahead, 0.0)) | movemask(greater(square, const.projectile_radius**2))
+    return movemask(greater(ahead, 0.0)) | movemask(greater(square, sdf_kernels.reach(const) ** 2))
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -244,7 +272,7 @@ def touch_together(state, const, points, whole, work):
     x = components(work.axes, x)
     last = load(state.last_contact_force[number], number_in_window(const, i, j))
     # below 0 within the cylinder's radius and behind the foremost point
-    radius = const.projectile_radius
+    radius = sdf_kernels.reach(const)
     outside = maximum(x[2], fma(x[0], x[0], fma(x[1], x[1], 0.0 - radius * radius)))
     touched = whole & movemask(greater(maximum(last, 0.0 - outside), 0.0))
     if touched == 0:
@@ -272,7 +300,7 @@ def touch_alone(state, const, point, work):
     surface = state.surface
     foot = torn_foot(const, work.bent[lane], (i, j), divmod(number, const.points_per_side))
     x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose_place))
-    inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < const.projectile_radius**2
+    inside = x[2] < 0.0 and x[0] * x[0] + x[1] * x[1] < sdf_kernels.reach(const) ** 2
     last = state.last_contact_force[number, number_in_window(const, i, j)]
     if not inside and last == 0.0:
         return
@@ -324,7 +352,12 @@ def contact_point(state, const, point, work):
     last = state.last_contact_force[number]
     before = last[e]
     store_point(work.force, lane, (0.0, 0.0, 0.0))
-    depth, normal = sdf_kernels.distance(const.nose, column(work.place, 0, lane))
+    place = column(work.place, 0, lane)
+    foot = 0.0, 0.0
+    if const.nose.kind == sdf_kernels.PROFILE:
+        foot, depth, normal = sdf_kernels.distance_to_profile(const.nose, place)
+    else:
+        depth, normal = sdf_kernels.distance(const.nose, place)
     if depth >= 0.0 and before == 0.0:
         return
     part = 1.0
@@ -341,6 +374,9 @@ def contact_point(state, const, point, work):
     damping = part * law.damping
     normal = combined(work.axes, normal)
     v = column(work.velocity, 0, lane)
+    if const.nose.kind == sdf_kernels.PROFILE:
+        own = profile_velocity(const.nose.profile, place, foot)
+        v = subtract(v, combined(work.axes, own))
     push = 0.0
     spring = 0.0
     if depth < 0.0:
@@ -378,5 +414,8 @@ def contact_point(state, const, point, work):
     store_point(work.force, lane, force)
     for c in range(3):
         work.nose_force[c] -= force[c]
+    if const.nose.kind == sdf_kernels.PROFILE:
+        back = scaled(-1.0, components(work.axes, force))
+        push_profile(const.nose.profile, place, foot, back)
     work.contact_work -= 0.5 * const.dt * dot(force, v) + rubbed
     work.spring_energy += spring

@@ -1,7 +1,7 @@
 """The projectile: a body of a given shape, moving without turning, at any obliquity.
 
 It is rigid, or along its axis an elastic-plastic bar (`bar`) whose tip has the shape; across its
-axis it moves rigidly.
+axis it moves rigidly. Or it is a body of revolution of metal (`turned`), which flies straight.
 
 Directions. A shot comes at an angle of obliquity to the panel's normal, towards an azimuth in the
 panel's plane counted from the warp to the weft. The projectile's axis lies along its flight but for
@@ -18,17 +18,37 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, inf, pi, radians, remainder, sin
+from typing import Any
 
 import numpy as np
 
+from fabrics import metals
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.metals import Metal
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
+from shellfabric.projectile.profile_kernels import place_profile
 from shellfabric.projectile.shapes import SHAPES, chisel
 from shellfabric.projectile.solid import Solid
-from shellfabric.state import Nose
+from shellfabric.projectile.turned import Turned
+from shellfabric.state import Nose, Profile
 
+BODIES = ("rigid", "elastic_bar", "metal")
+# of Projectile, of the body of metal alone
+OF_METAL = (
+    "core",
+    "jacket",
+    "jacket_thickness",
+    "bare_tip",
+    "open_base",
+    "cavity_diameter",
+    "cavity_depth",
+    "element_size",
+)
+TURNED = ("flat", "hemisphere", "sphere", "ogive")  # shapes of bodies of metal
+WIDEST = 2.5  # times its radius at rest a body of metal may become; beyond, a run stops
+OUTLINE = 12  # segments in the radius of a rigid ogive's outline
 STEEPEST = radians(
     75
 )  # of flight and axis against the normal: beyond, the shot passes along the panel
@@ -57,11 +77,19 @@ class Projectile:
         edge radius
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
     friction : Coulomb's coefficient between projectile and fabric; none in the thesis
-    body : "rigid", "elastic_bar", or the Bar itself, of this mass. "elastic_bar" is a flat cylinder
-        of steel (thesis Table 4-2), bored from its tail to its mass (erratum E-37), as long as that
-        of the thesis where no length is given
+    nose_length : [m] of an ogive, an ellipse
+    tip_diameter : [m] of the flat at the tip of an ogive; None without
+    body : "rigid", "elastic_bar", "metal", or the Bar itself, of this mass. "elastic_bar" is a flat
+        cylinder of steel (thesis Table 4-2), bored from its tail to its mass (erratum E-37), as long
+        as that of the thesis where no length is given
     bore_diameter : [m] of the bore of that cylinder; None takes 4.5 mm. The thesis gives neither
         its diameter nor its depth
+    core, jacket : of a body of metal, names of `fabrics.metals` or Metals; without a jacket None
+    jacket_thickness : [m]
+    bare_tip : [m] length of the tip that the jacket leaves bare
+    open_base : whether the jacket leaves the base bare
+    cavity_diameter, cavity_depth : [m] of a conical hole in the tip; None without
+    element_size : [m] of the mesh of a body of metal; None takes a tenth of the diameter
 
     Raises
     ------
@@ -85,6 +113,16 @@ class Projectile:
     friction: float = 0.0
     body: str | Bar = "rigid"
     bore_diameter: float | None = None
+    nose_length: float | None = None
+    tip_diameter: float | None = None
+    core: str | Metal | None = None
+    jacket: str | Metal | None = None
+    jacket_thickness: float | None = None
+    bare_tip: float | None = None
+    open_base: bool | None = None
+    cavity_diameter: float | None = None
+    cavity_depth: float | None = None
+    element_size: float | None = None
 
     def __post_init__(self):
         if self.shape not in SHAPES:
@@ -107,8 +145,9 @@ class Projectile:
         self._check_body()
 
     def _check_body(self):
-        if not isinstance(self.body, Bar) and self.body not in ("rigid", "elastic_bar"):
-            raise InputError(key="body", value=self.body, allowed="rigid, elastic_bar or a Bar")
+        if not isinstance(self.body, Bar) and self.body not in BODIES:
+            raise InputError(key="body", value=self.body, allowed=f"{', '.join(BODIES)} or a Bar")
+        self._check_metal()
         if self.bore_diameter is not None and (
             self.body != "elastic_bar" or not 0 < self.bore_diameter < 2 * self.radius
         ):
@@ -128,6 +167,95 @@ class Projectile:
             raise InputError(
                 key="mass", value=self.mass, allowed=f"that of the bar, {bar.mass:.6g} kg"
             )
+
+    def _check_metal(self):
+        """Refuse what goes with a body of metal alone, and what such a body cannot do."""
+        if self.body != "metal":
+            for key in OF_METAL:
+                if getattr(self, key) is not None:
+                    allowed = "left out but for the body metal"
+                    raise InputError(key=key, value=getattr(self, key), allowed=allowed)
+            return
+        if self.shape not in TURNED:
+            allowed = f"{' or '.join(TURNED)} of the body metal, which is one of revolution"
+            raise InputError(key="shape", value=self.shape, allowed=allowed)
+        for key in ("obliquity", "yaw"):
+            if getattr(self, key) != 0:
+                allowed = "0 of the body metal: a body of revolution flies straight"
+                raise InputError(key=key, value=getattr(self, key), allowed=allowed)
+        if (self.cavity_diameter is None) != (self.cavity_depth is None):
+            raise InputError(
+                key="cavity_depth",
+                value=self.cavity_depth,
+                allowed="given together with cavity_diameter",
+            )
+        assert self.drawing  # which has checks of its own
+
+    @cached_property
+    def drawing(self) -> Turned | None:
+        """What the body of metal is made of; of a rigid ogive its outline; None of another."""
+        if self.body == "metal":
+            return self._draw_metal()
+        if self.shape == "ogive":
+            size = min(max(self.radius / OUTLINE, self.edge_radius), 0.5 * self.radius)
+            return self._draw(_load_metal("OFHC copper", "core"), size, mass=None)
+        return None
+
+    def _draw_metal(self):
+        core = _load_metal(self.core or "lead", "core")
+        given: dict[str, Any] = {"bare_tip": self.bare_tip or 0.0}
+        if self.jacket is not None:
+            given["jacket"] = _load_metal(self.jacket, "jacket")
+        given["jacket_thickness"] = self.jacket_thickness or 0.0
+        if self.open_base is not None:
+            given["open_base"] = self.open_base
+        if self.cavity_diameter is not None:
+            given["cavity"] = 0.5 * self.cavity_diameter, self.cavity_depth
+        return self._draw(core, self.element_size or 0.2 * self.radius, mass=self.mass, **given)
+
+    def _draw(self, core, size, **given):
+        """The drawing of the shape."""
+        length = self.length
+        nose = self.nose_length or 0.0
+        edge = self.edge_radius
+        if self.shape in ("hemisphere", "sphere"):
+            nose = self.radius
+        if self.shape == "sphere":
+            length = 2 * self.radius
+            edge = min(edge, 0.5 * size)
+            given["round_base"] = True
+            given["open_base"] = False
+        if length is None:
+            raise InputError(key="length", value=None, allowed=f"given for the {self.shape}")
+        return Turned(
+            self.radius,
+            length,
+            core,
+            nose_length=nose,
+            tip_radius=0.5 * (self.tip_diameter or 0.0),
+            element_size=size,
+            edge_radius=edge,
+            **given,
+        )
+
+    @property
+    def deforms(self) -> bool:
+        """Whether it is not rigid."""
+        return self.body != "rigid"
+
+    @property
+    def turned(self) -> Turned | None:
+        """The drawing of a body of metal; None of another."""
+        if self.body == "metal":
+            return self.drawing
+        return None
+
+    @property
+    def reach_radius(self) -> float:
+        """[m] radius within which fabric may touch it, however it deforms."""
+        if self.body == "metal":
+            return WIDEST * self.radius
+        return self.radius
 
     @cached_property
     def bar(self) -> Bar | None:
@@ -165,13 +293,22 @@ class Projectile:
 
     def _check_form(self):
         for shape, known in SHAPES.items():
+            article = "an" if shape[0] in "aeiou" else "a"
             for key in known.keys:
                 value = getattr(self, key)
                 given = isinstance(value, Solid) or (value is not None and 0 < value < inf)
                 if shape == self.shape and not given:
-                    raise InputError(key=key, value=value, allowed=f"above 0 for a {shape}")
+                    raise InputError(key=key, value=value, allowed=f"above 0 for {article} {shape}")
                 if shape != self.shape and value is not None:
-                    raise InputError(key=key, value=value, allowed=f"left out, being of a {shape}")
+                    allowed = f"left out, being of {article} {shape}"
+                    raise InputError(key=key, value=value, allowed=allowed)
+            for key in known.optional:
+                value = getattr(self, key)
+                if shape != self.shape and value is not None:
+                    allowed = f"left out, being of {article} {shape}"
+                    raise InputError(key=key, value=value, allowed=allowed)
+                if value is not None and not 0 < value < 2 * self.radius:
+                    raise InputError(key=key, value=value, allowed="above 0 and below the diameter")
         if self.shape == "cone":
             if not self.half_angle < 0.5 * pi:
                 raise InputError(
@@ -228,14 +365,27 @@ class Projectile:
 
     @property
     def nose(self) -> Nose:
-        """The shape as kernels take it."""
+        """The shape as kernels take it, at rest."""
+        kind = self.number
+        edge = self.edge_radius
+        if self.drawing is not None:
+            kind = sdf_kernels.PROFILE
+            edge = self.drawing.edge_radius
         return Nose(
-            kind=self.number,
+            kind=kind,
             radius=self.radius,
-            edge_radius=self.edge_radius,
+            edge_radius=edge,
             length=self.length or inf,
             form=self.form,
+            profile=self._profile,
         )
+
+    @cached_property
+    def _profile(self):
+        """Its meridian at rest; empty of a shape that has its own distance."""
+        if self.drawing is None:
+            return Profile.empty()
+        return profile_of(self.drawing)
 
     @property
     def shoulder(self) -> float:
@@ -247,6 +397,9 @@ class Projectile:
         """[m] smallest radius that fabric is bent round by the nose."""
         if self.shape in ("sphere", "hemisphere"):
             return self.radius
+        if self.shape == "ogive":
+            side = self.radius - 0.5 * (self.tip_diameter or 0.0)
+            return min(side**2 / self.nose_length, self.nose_length**2 / side)
         tip = None
         if self.shape == "cone":
             tip = self.tip_radius
@@ -330,6 +483,9 @@ class Projectile:
         set_back : [m] along the axis
         rise, around : rays from the side to the tip, and in a ring
         """
+        if self.drawing is not None:
+            outline = self.drawing.places[self.drawing.outline]
+            return turn_about(outline, around) - [0, 0, set_back]
         if self.shape == "sphere":
             end = 2 * self.radius
         else:
@@ -368,6 +524,28 @@ class Projectile:
             own = np.abs(frame[:2, axis])
             return min(own) < 1e-12 and self.solid.even[int(np.argmax(own))]
         return SHAPES[self.shape].turned or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
+
+
+def profile_of(drawing: Turned) -> Profile:
+    """Return the meridian of a drawing at rest, as what touches the body sees it."""
+    outline = np.ascontiguousarray(drawing.places[drawing.outline])
+    profile = Profile(**Profile.zeros(rings=len(outline)))
+    place_profile(profile, outline, drawing.edge_radius)
+    return profile
+
+
+def turn_about(outline: FloatArray, around: int) -> FloatArray:
+    """Turn an outline (n, 2) [m] about the axis: the surface (n, around, 3) [m]."""
+    turn = np.linspace(0, 2 * pi, around)
+    r, z = outline.T[..., None]
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z + 0 * turn], axis=-1)
+
+
+def _load_metal(metal, key):
+    """The Metal of a name, or the Metal that is given."""
+    if isinstance(metal, Metal):
+        return metal
+    return metals.load(metal, key=key)
 
 
 def _towards(angle, azimuth):

@@ -1,9 +1,9 @@
 """Shapes of the projectile: signed distances with their gradients, in the frame of the projectile.
 
-The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL are
-convex and exact: behind their noses cylinders of radius R, without an end or, where a length L is
-given, with a flat end whose edge is rounded by rho. Each is written as a body K grown by a ball of
-radius rho, which is what rounds its edges, so that
+The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL and
+OGIVE are convex and exact: behind their noses cylinders of radius R, without an end or, where a
+length L is given, with a flat end whose edge is rounded by rho. Each is written as a body K grown by
+a ball of radius rho, which is what rounds its edges, so that
 
     distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it,
 
@@ -17,6 +17,7 @@ gradient is of length 1.
     CHISEL      fragment simulator: flat strip of a width across the nose, along y, and two flats that fall off from it
                 by an angle to the nose's plane
     STL         any body, by samples of its distance on a grid (`solid`), interpolated by tricubic B-splines
+    OGIVE       or PROFILE: a body of revolution whose meridian is a polygon, also one that changes (`profile_kernels`)
 
 A new shape is one function here, one line in `distance`, and an entry of `shapes.SHAPES`.
 
@@ -31,10 +32,12 @@ import math
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.projectile.profile_kernels import foot_on_profile
 from shellfabric.state import unit
 from shellfabric.surface.vector_kernels import three
 
-FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL = range(6)  # in the order of `shapes.SHAPES`
+FLAT, HEMISPHERE, CONE, SPHERE, CHISEL, STL, OGIVE = range(7)  # in the order of `shapes.SHAPES`
+PROFILE = OGIVE  # any body of revolution whose meridian is a profile
 STL_HEAD = 7  # numbers before the coefficients
 
 
@@ -282,6 +285,33 @@ def from_axis(x, y, r, component):
     return 0.0, 0.0
 
 
+@kernel()
+def distance_to_profile(nose, point):
+    """Compute the foot (side, share) of a point on a profile, the signed distance to the body and
+    its gradient (n_x, n_y, n_z)."""
+    x, y, z = point
+    r = math.sqrt(x * x + y * y)
+    side, share, depth, n_r, n_z = foot_on_profile(nose.profile, r, z)
+    n_x, n_y = from_axis(x, y, r, n_r)
+    return (side, share), depth - nose.edge_radius, (n_x, n_y, n_z)
+
+
+@kernel()
+def reach(const):
+    """Return the radius [m] of the cylinder that holds the projectile as it is."""
+    if const.nose.kind == PROFILE:
+        return const.nose.profile.widest
+    return const.projectile_radius
+
+
+@kernel()
+def shoulder_of(const):
+    """Return the depth [m] behind the nose from which the projectile has its full width."""
+    if const.nose.kind == PROFILE:
+        return const.nose.profile.shoulder
+    return const.shoulder
+
+
 @entry()
 def distance(nose, point):
     """Compute the signed distance of a point (x, y, z) to a projectile and its gradient (n_x, n_y,
@@ -299,6 +329,9 @@ def distance(nose, point):
     if shape == STL:
         depth, n_x, n_y, n_z = sampled(x, y, z, nose.form)
         return depth, (n_x, n_y, n_z)
+    if shape == PROFILE:
+        _, depth, normal = distance_to_profile(nose, point)
+        return depth, normal
     r = math.sqrt(x * x + y * y)
     if shape == CHISEL:
         depth, n_x, n_y, n_z = chisel(x, y, z, R, rho, nose.form)

@@ -23,6 +23,7 @@ class Shape:
     shoulder : function of a Projectile that gives the depth [m] from which it has its full width
     keys : of the Projectile, that this shape alone has
     least_volume : [-] over that of the cylinder about it
+    optional : keys likewise, which may be left out
     pointed : whether the tip is a point of the axis that a mesh has to meet
     turned : whether it looks alike from all sides
     """
@@ -31,6 +32,7 @@ class Shape:
     form: Callable[[Any], Any] = lambda shot: ()
     shoulder: Callable[[Any], float] = lambda shot: shot.radius
     keys: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
     least_volume: float = 1.0
     pointed: bool = False
     turned: bool = True
@@ -87,5 +89,13 @@ SHAPES = {
         ("solid",),
         pointed=True,
         turned=False,
+    ),
+    "ogive": Shape(
+        "a bullet with an elliptic nose",
+        lambda shot: (shot.nose_length, shot.tip_diameter or 0.0),
+        shoulder=lambda shot: shot.nose_length,
+        keys=("nose_length",),
+        optional=("tip_diameter",),
+        least_volume=1 / 2,
     ),
 }

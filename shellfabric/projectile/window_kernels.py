@@ -4,6 +4,7 @@ ahead of the nose."""
 import numpy as np
 
 from shellfabric.jit.compile import kernel
+from shellfabric.projectile import sdf_kernels
 from shellfabric.state import ERODED, unit
 from shellfabric.surface.grid_kernels import grid_of, place, turned
 from shellfabric.surface.nodal_force_kernels import bounds, include_rows, set_window
@@ -145,16 +146,15 @@ def cloth_ahead_of_nose(state, const):
     """Tell whether an element that is not eroded lies ahead of the shoulder, within the
     projectile's radius."""
     i0, i1, j0, j1 = bounds(state.contact_window)
+    radius = sdf_kernels.reach(const)
+    shoulder = sdf_kernels.shoulder_of(const)
     for i in range(i0, i1):
         for j in range(j0, j1):
             if state.element_flag[i * const.row_stride + j] & ERODED:
                 continue
             middle = facet_foot(grid_of(const), (i, j), (i + 0.5, j + 0.5))
             p_x, p_y, p_z = from_nose(state, const, vector_of(state.surface.x, middle))
-            if (
-                p_z > -const.shoulder
-                and p_x * p_x + p_y * p_y < const.projectile_radius * const.projectile_radius
-            ):
+            if p_z > -shoulder and p_x * p_x + p_y * p_y < radius * radius:
                 return True
     return False
 

@@ -8,7 +8,7 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.sdf_kernels import distance
 
-shot = Projectile(shape="ogive")
+shot = Projectile(shape="tangent_ogive")
 random = np.random.default_rng(1)
 for _ in range(200):
     point = random.uniform(-4e-3, 4e-3, 3) - (0.0, 0.0, 4e-3)

@@ -87,7 +87,7 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
         "clamped or free: no side that slips is exported",
         lambda ply: boundary.slips(ply.boundary),
     ),
-    "projectile.body": ('"rigid"', lambda ply: ply.projectile.bar is not None),
+    "projectile.body": ('"rigid"', lambda ply: ply.projectile.deforms),
 }
 
 

@@ -24,6 +24,7 @@ Run = namedtuple("Run", "state const step_history panel")
 FORMS = {
     "cone": {"half_angle": radians(45), "tip_radius": 0.8e-3},
     "chisel": {"flat_width": 2.5e-3, "flat_angle": radians(35)},
+    "ogive": {"nose_length": 4e-3, "length": 12e-3},
 }
 
 
