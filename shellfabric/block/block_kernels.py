@@ -9,11 +9,12 @@ logarithmic strains,
 
 (J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and
 9; the return is in `flow_kernels`). m = 0 is without rate. The return is exact along the trial; the
-rate is that of the step, implicit and so without a bound on it. A brick whose effective plastic strain alpha reaches the
-erosion strain is taken out; its mass stays on its nodes, what it had stored goes to a term of its
-own. Hourglass control is that of `brick_kernels`: a potential, blind to rotation. A linear bulk
-viscosity, xi rho c L d(ln J)/dt, damps the highest mode. L is the least height of the brick as it
-is: with the one at rest, flattened bricks would bear far shorter steps than their waves allow.
+rate is that of the step, implicit and so without a bound on it. A brick whose effective plastic
+strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had stored
+goes to a term of its own. Hourglass control is that of `brick_kernels`: a potential, blind to
+rotation. A linear bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode. L is the least
+height of the brick as it is: with the one at rest, flattened bricks would bear far shorter steps
+than their waves allow.
 
 Plastic and viscous work of a step are those of the mean of the stresses before and after it, which
 is what its forces do: a brick that begins to flow in it was below its strength before.

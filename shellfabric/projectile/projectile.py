@@ -29,23 +29,12 @@ from fabrics.metals import Metal
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.profile_kernels import place_profile
-from shellfabric.projectile.shapes import SHAPES, chisel
+from shellfabric.projectile.shapes import OF_METAL, SHAPES, chisel
 from shellfabric.projectile.solid import Solid
 from shellfabric.projectile.turned import Turned
 from shellfabric.state import Nose, Profile
 
 BODIES = ("rigid", "elastic_bar", "metal")
-# of Projectile, of the body of metal alone
-OF_METAL = (
-    "core",
-    "jacket",
-    "jacket_thickness",
-    "bare_tip",
-    "open_base",
-    "cavity_diameter",
-    "cavity_depth",
-    "element_size",
-)
 TURNED = ("flat", "hemisphere", "sphere", "ogive")  # shapes of bodies of metal
 WIDEST = 2.5  # times its radius at rest a body of metal may become; beyond, a run stops
 OUTLINE = 12  # segments in the radius of a rigid ogive's outline
@@ -249,6 +238,28 @@ class Projectile:
         if self.body == "metal":
             return self.drawing
         return None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What has to be known of a body of metal, a line each: by how much its mass is not that of
+        its drawing, and which of its constants are assumed."""
+        if self.turned is None:
+            return ()
+        lines = []
+        factor = self.turned.density_factor
+        if abs(factor - 1) > 5e-4:
+            drawn = 1e3 * self.turned.drawn_mass
+            lines.append(
+                f"projectile.mass is {100 * (factor - 1):+.1f} % from that of the drawing, {drawn:.4g} g: the "
+                f"densities of its metals are multiplied by {factor:.4f}"
+            )
+        for name in dict.fromkeys((self.core or "lead", self.jacket)):
+            if isinstance(name, str):
+                data = metals.entry(name)
+                kept = [key for key, row in data.items() if row["status"] == "assumed"]
+                if kept:
+                    lines.append(f"assumed of {name}: {', '.join(kept)} (fabrics/metals.toml)")
+        return tuple(lines)
 
     @property
     def reach_radius(self) -> float:

@@ -11,6 +11,18 @@ from dataclasses import dataclass
 from math import cos, sin, tan
 from typing import Any
 
+# of Projectile, of the body of metal alone
+OF_METAL = (
+    "core",
+    "jacket",
+    "jacket_thickness",
+    "bare_tip",
+    "open_base",
+    "cavity_diameter",
+    "cavity_depth",
+    "element_size",
+)
+
 
 @dataclass(frozen=True)
 class Shape:

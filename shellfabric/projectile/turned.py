@@ -92,7 +92,7 @@ class Turned:
                 allowed = (
                     "a diameter up to that of the flat of the tip, and a depth below 0.7 lengths"
                 )
-                raise InputError(key="cavity", value=self.cavity, allowed=allowed)
+                raise InputError(key="cavity_diameter", value=2 * wide, allowed=allowed)
         thick = self.jacket_thickness
         if (self.jacket is None) != (thick == 0) or not 0 <= thick < 0.5 * self.radius:
             raise InputError(

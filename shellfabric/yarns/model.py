@@ -156,6 +156,9 @@ class YarnPanel(Panel):
     def _check_zone(self):
         (i0, i1), (j0, j1) = self.rim_rows
         reach = self.projectile.radius
+        if self.projectile.turned is not None:
+            allowed = "rigid or elastic_bar with resolved yarns, whose forces do not reach the rings of a body of metal"
+            raise InputError(key="body", value="metal", allowed=allowed)
         for low, high, spacing in zip((i0, j0), (i1, j1), self.spacing):
             least = max(LEAST_ROWS + 2, 2 * (reach / spacing + REACH + RIM_ROWS))
             if high - low < least:

@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from shellfabric.block.state import BlockPoints, BlockRow
+from shellfabric.metal.state import BodyRow
 from shellfabric.plies.state import Guard, NeighbourLists, PackContact, Pressure
 from shellfabric.projectile.state import BarRow
-from shellfabric.state import Constants, Stack, State, Work
+from shellfabric.state import Constants, Profile, Stack, State, Work
 from shellfabric.yarns.state import Zone
 
 ROOT = Path(__file__).parents[2]
@@ -23,6 +24,8 @@ ROWS = {
     "pressure": Pressure,
     "guard": Guard,
     "own": BarRow,
+    "body": BodyRow,
+    "profile": Profile,
     "zone": Zone,
     "block": BlockRow,
     "points": BlockPoints,
@@ -32,6 +35,7 @@ STARTS = (
     "shellfabric/loop/loop.py",
     "shellfabric/yarns/coupling_kernels.py",
     "shellfabric/projectile/bar_kernels.py",
+    "shellfabric/metal/motion_kernels.py",
     "shellfabric/block/coupling.py",
     "shellfabric/block/block_kernels.py",
 )

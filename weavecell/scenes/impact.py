@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fabrics import backings, projectiles
+from fabrics import backings, metals, projectiles
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
@@ -19,6 +19,7 @@ from fabrics.base.schema import (
     Table,
     angle,
     described,
+    flag,
     marked,
     number,
     one_of,
@@ -30,7 +31,7 @@ from fabrics.base.schema import (
     validated,
     whole,
 )
-from shellfabric.projectile.shapes import SHAPES
+from shellfabric.projectile.shapes import OF_METAL, SHAPES
 from weavecell.scenes import honoured, stl_file
 from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
@@ -106,6 +107,10 @@ class ProjectileTable(Table):
         85,
         "35 deg",
     ) = None
+    nose_length: quantity("length of an elliptic nose; required for an ogive", "m", "8 mm") = None
+    tip_diameter: quantity(
+        "diameter of the flat at the tip of an ogive; none if not given", "m", "2 mm"
+    ) = None
     stl: string(
         "STL file of the body, its z axis along the flight; required for the shape stl. Its path is relative to the "
         "input file",
@@ -130,9 +135,11 @@ class ProjectileTable(Table):
         le=2.0,
     ) = None
     body: one_of(
-        "rigid body, or elastic-plastic steel bar along the axis (one-dimensional waves)",
+        "rigid body; elastic-plastic steel bar along the axis (one-dimensional waves); or body of revolution of metal, "
+        "which mushrooms (flat, hemisphere, ogive or sphere)",
         "rigid",
         "elastic_bar",
+        "metal",
     ) = "rigid"
     bore_diameter: quantity(
         "diameter of a bore into the rear of the elastic bar; its depth follows from the mass",
@@ -140,12 +147,43 @@ class ProjectileTable(Table):
         "4.5 mm",
     ) = None
 
+    core: one_of('metal of the core of a body "metal"; if not given lead', *metals.list_names()) = (
+        None
+    )
+    jacket: one_of(
+        'metal of the jacket of a body "metal"; none if not given', *metals.list_names()
+    ) = None
+    jacket_thickness: quantity("thickness of the jacket; required with a jacket", "m", "0.5 mm") = (
+        None
+    )
+    bare_tip: quantity(
+        "length of the tip that the jacket leaves bare; none if not given", "m", "2 mm"
+    ) = None
+    open_base: flag("whether the jacket leaves the base bare; if not given it does") = None
+    cavity_diameter: quantity(
+        "diameter of a conical hole in the tip of a hollow point, at most that of the flat of the tip; given with "
+        "cavity_depth",
+        "m",
+        "3 mm",
+    ) = None
+    cavity_depth: quantity("depth of that hole; given with cavity_diameter", "m", "4 mm") = None
+    element_size: quantity(
+        'size of the elements of a body "metal"; if not given a tenth of the diameter',
+        "m",
+        "0.6 mm",
+    ) = None
+
     @model_validator(mode="after")
     def _check_body(self):
+        if self.body != "metal":
+            self.refuse(" ".join(OF_METAL), 'left out but for the body "metal"')
         if self.shape != "stl":
             self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
-        if self.body == "rigid":
-            self.refuse("bore_diameter", "left out for a rigid projectile")
+        if (self.jacket is None) != (self.jacket_thickness is None):
+            raise InputError(key="jacket_thickness", allowed="given together with jacket")
+        if self.body != "elastic_bar":
+            words = {"rigid": "a rigid projectile", "metal": 'the body "metal"'}[self.body]
+            self.refuse("bore_diameter", f"left out for {words}")
         if self.shape == "sphere":
             self.refuse("edge_radius", "left out for a sphere")
         elif self.edge_radius is None:

@@ -21,6 +21,10 @@ def shot_in_words(shot: ProjectileTable) -> str:
         words += f", {degrees(shot.obliquity):.3g}° off the normal"
     if shot.body == "elastic_bar":
         words += ", elastic-plastic along its axis"
+    if shot.body == "metal":
+        words += f", of {shot.core or 'lead'}"
+        if shot.jacket:
+            words += f" in a jacket of {1e3 * shot.jacket_thickness:.3g} mm of {shot.jacket}"
     if shot.friction:
         words += f", with friction {shot.friction:g}"
     return words

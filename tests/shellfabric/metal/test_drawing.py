@@ -129,7 +129,7 @@ REFUSED = {
     "element_size": {"element_size": 3e-3},
     "nose_length": {"nose_length": 15e-3},
     "tip_diameter": {"tip_radius": 5e-3},
-    "cavity": {"cavity": (3e-3, 2e-3)},
+    "cavity_diameter": {"cavity": (3e-3, 2e-3)},
     "jacket_thickness": {"jacket_thickness": 0.0},
     "bare_tip": {"bare_tip": 20e-3},
     "length": {"length": 0.0},
