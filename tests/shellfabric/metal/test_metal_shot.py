@@ -57,7 +57,7 @@ def test_a_bullet_widens_and_its_energy_balances(struck):
     assert end.length_at_rest == pytest.approx(DRAWN["length"], rel=1e-12)
     assert end.width > end.width_at_rest
     assert end.length < 0.999 * end.length_at_rest
-    assert end.plastic_energy > 0.05
+    assert end.plastic_energy > 0.01
     assert end.core_strain > end.jacket_strain > 0
     assert struck.energies["plastic_projectile"][-1] >= end.plastic_energy
     lost = struck.setup.projectile.mass * (SPEED - end.centre_velocity[-1])
