@@ -1,0 +1,208 @@
+"""Bricks and bars of solid yarns against slow twins, and the quasi-static limit against dolfinx."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("gmsh")
+
+from fabrics.base.errors import InputError
+from meshing import crossover
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.solids import step_kernels
+from shellfabric.solids.drawn import draw
+from shellfabric.solids.mesh import SolidMesh, corners
+from shellfabric.solids.model import SolidPatch
+from shellfabric.solids.numerics import SolidNumerics
+from tests.shellfabric.solids.solid_patches import FABRIC, SHOT, woven
+from tests.shellfabric.solids.test_solid_law_kernels import plain_stress
+
+
+@pytest.fixture(scope="module")
+def model():
+    return SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC, failure=False)
+
+
+def apart(model, x):
+    """Row of a patch at places x, whose yarns do not meet."""
+    row = model.row()
+    row.partner[:] = -1
+    row.side_partner[:] = -1
+    row.x[:] = x
+    step_kernels.forces(row)
+    return row
+
+
+def distorted(model):
+    """Places (n, 3) of a stretched, sheared and wavy patch."""
+    random = np.random.default_rng(8)
+    strain = np.array([[0.01, 0.02, 0.0], [0.01, -0.02, 0.03], [0.05, 0.0, -0.08]])
+    points = model.mesh.points
+    return points + points @ strain.T + 1e-6 * random.normal(size=points.shape)
+
+
+def test_brick_forces_equal_a_slow_twin(model):
+    x = distorted(model)
+    row = apart(model, x)
+    expected = np.zeros_like(x)
+    brick = 0
+    for yarn, grid in enumerate(model.mesh.grids):
+        for nodes in corners(grid):
+            P = plain_stress(x[nodes].T @ row.gradient[brick], row.law[yarn])
+            expected[nodes] += row.volume[brick] * row.gradient[brick] @ P.T
+            brick += 1
+    assert row.f_solid == pytest.approx(expected, rel=1e-8, abs=1e-9 * np.abs(expected).max())
+
+
+def test_forces_of_bars_and_hourglass_control_are_the_slope_of_their_energy(model):
+    x = distorted(model)
+    row = apart(model, x)
+    assert row.fibre_energy > 0
+    assert row.hourglass_energy > 0
+    way = np.random.default_rng(9).normal(size=x.shape)
+    stored = []
+    for step in (1e-11, -1e-11):
+        other = apart(model, x + step * way)
+        stored.append(other.fibre_energy + other.hourglass_energy)
+    assert np.sum(row.f_other * way) == pytest.approx((stored[0] - stored[1]) / 2e-11, rel=1e-5)
+
+
+def test_bars_fail_at_their_strain_and_bricks_go_with_half_of_them():
+    model = SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC)
+    yarn = FABRIC.weave.yarns[0]
+    row = apart(model, model.mesh.points * [1 + 1.06 * yarn.failure_strain, 1, 1])
+    bars = row.first_bar[1]
+    failed = ~row.bar_intact
+    assert 0 < failed[:bars].sum() < bars  # where the crimped warp runs along x
+    assert not failed[bars:].any()
+    assert row.torn[: row.first_brick[1]].any()
+    assert not row.torn[row.first_brick[1] :].any()
+    lost = 0.5 * row.bar_stiffness * row.bar_length * (1.06 * yarn.failure_strain) ** 2
+    assert 0.8 * lost[failed].sum() < row.failure_energy < lost[failed].sum()
+
+
+@pytest.mark.parametrize("quarter", [False, True])
+def test_the_mass_is_that_of_the_fibres(quarter):
+    mesh = woven()
+    model = SolidPatch(SolidMesh.of(mesh, quarter=quarter), FABRIC)
+    expected = 0.0
+    for yarn, (family, area) in enumerate(zip(mesh.families, mesh.bar_area)):
+        grid = mesh.grids[yarn]
+        along = np.linalg.norm(np.diff(mesh.points[grid], axis=0), axis=-1)
+        section = area[: grid[0].size].reshape(grid[0].shape)
+        expected += FABRIC.weave.yarns[family].fibre_density * (along * section).sum()
+    assert model.row().mass.sum() / model.mesh.share == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_frequency_bound_holds():
+    """No motion of the nodes is stiffer over its mass than the bound, friction and damping left out."""
+    model = SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC, failure=False)
+    x = distorted(model)
+    row = apart(model, x)
+    bound = step_kernels.highest_frequency(row)[0]
+    way = np.random.default_rng(2).normal(size=x.shape)
+    for _ in range(60):  # the power method finds the highest
+        up = apart(model, x + 1e-10 * way)
+        down = apart(model, x - 1e-10 * way)
+        pull = up.f_solid + up.f_other - down.f_solid - down.f_other
+        pull = pull / 2e-10 / row.mass[:, None]
+        highest = np.linalg.norm(pull) / np.linalg.norm(way)
+        way = pull / np.linalg.norm(pull)
+    assert 0.1 * bound < highest < bound
+
+
+def quasi_static(size, displacement, plates):
+    """T1, T2, F_c [N] and the plates' forces of the 3D crossover of dolfinx."""
+    pytest.importorskip("dolfinx")
+    from unitcell3d.cases.biaxial_and_platens import row
+    from unitcell3d.material.numerics import Numerics
+    from unitcell3d.model.crossover import CrossoverModel, Load
+    from unitcell3d.solver.path_following import follow
+
+    mesh = crossover.build(FABRIC, size=size)
+    model = CrossoverModel(mesh, FABRIC, Numerics(penalty=1e14))
+    rest = model.plates.at_rest
+    start = Load()
+    end = Load(displacement)
+    if plates is not None:
+        start = Load(plates=rest)
+        end = Load(displacement, plates=plates * rest)
+    record = follow(model, [start, end], row(model))
+    return [record[name][-1] for name in ("T1", "T2", "F_c", "F_plate")], rest
+
+
+LOADS = [
+    pytest.param((2e-5, 2e-5), None, id="both drawn"),
+    pytest.param((2.5e-5, 0.0), None, id="warp drawn", marks=pytest.mark.slow),
+    pytest.param(
+        (0.0, 0.0),
+        0.7,
+        id="platens",
+        marks=[
+            pytest.mark.slow,
+            pytest.mark.xfail(
+                strict=True,
+                reason="2.5 % at 4 MPa, 17 % at 35 MPa: one point and an hourglass control of the yarn "
+                "at rest; the mesh itself is 5 % off a finer one",
+            ),
+        ],
+    ),
+]
+
+
+@pytest.mark.parametrize("displacement, plates", LOADS)
+def test_the_quasi_static_limit_is_the_crossover_of_dolfinx(displacement, plates):
+    """Equal meshes and penalties: tensions, and the force of the yarns on each other or of the platens."""
+    size = (5, 5, 2)
+    (T1, T2, F_c, F_plate), rest = quasi_static(size, displacement, plates)
+    whole = crossover.build(FABRIC, domain="whole", size=size)
+    model = SolidPatch(
+        SolidMesh.of(whole),
+        FABRIC,
+        fibre_fractions=tuple(whole.Vf0),
+        numerics=SolidNumerics(take_off_overlap=False),
+        failure=False,
+        clamped=False,
+    )
+    if plates is None:
+        found = draw(model, displacement)
+        assert found.tension == pytest.approx([T1, T2], rel=2.5e-3)
+    else:
+        found = draw(model, displacement, plates * rest)
+        assert found.plates == pytest.approx(F_plate, rel=2.5e-3)
+    assert found.contact == pytest.approx(F_c, rel=2.5e-3)
+
+
+def test_a_crossover_alone_is_drawn():
+    with pytest.raises(InputError, match="whole crossover of free ends"):
+        draw(SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC), (1e-5, 1e-5))
+
+
+@pytest.mark.parametrize(
+    "choices, words",
+    [
+        ({"friction": -0.1}, "friction = -0.1: must be at least 0"),
+        ({"projectile": Projectile(obliquity=0.3)}, "struck straight on"),
+        ({"projectile": Projectile(body="elastic_bar")}, "body = 'elastic_bar'"),
+        ({"projectile": SHOT, "quarter": True, "aim": (1e-4, 0.0)}, "aim"),
+        ({"quarter": True, "count": (2, 3)}, "only if both numbers are odd"),
+    ],
+)
+def test_what_is_not_modelled_is_refused(choices, words):
+    choices = dict(choices)
+    mesh = woven(choices.pop("count", (1, 1)))
+    with pytest.raises(InputError, match=words):
+        SolidPatch(SolidMesh.of(mesh, quarter=choices.pop("quarter", False)), FABRIC, **choices)
+
+
+def test_a_fabric_without_solid_laws_is_refused():
+    from dataclasses import replace
+
+    mesh = SolidMesh.of(woven((1, 1)))
+    with pytest.raises(InputError, match=r"no \[solid\] tables"):
+        SolidPatch(mesh, replace(FABRIC, solid_laws=None))
+
+
+@pytest.mark.parametrize("key, value", [("cfl", 1.2), ("penalty", 0.0), ("hourglass", -1.0)])
+def test_numerics_are_checked(key, value):
+    with pytest.raises(InputError, match=key):
+        SolidNumerics(**{key: value})
