@@ -49,7 +49,7 @@ numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch
 numpydoc_validation_exclude |= {r"^weavecell\.ShotResult$"}
 # their docstrings have the keywords that they pass on as **options
 numpydoc_validation_exclude |= {
-    r"^weavecell\.(calibrate|compare|critical_velocity|impact|setup|surface|sweep|v50)$"
+    r"^weavecell\.(calibrate|compare|critical_velocity|impact|reduce_tests|setup|surface|sweep|v50)$"
 }
 
 nb_execution_mode = "off"  # the notebooks are kept with the outputs of `python tools/notebooks.py`

@@ -31,8 +31,8 @@ check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.j
 
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
 out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *limits* are
-`weavecell critical-velocity` and `v50`, *export* and *coupon* are the commands of these names; `sweep`
-and `compare` use keys as the command that they repeat."""
+`weavecell critical-velocity` and `v50`, *export* and *coupon* are the commands of these names; `sweep`,
+`compare` and `reduce tests` use keys as the command that they repeat."""
 COMMANDS = {
     "impact": honoured.IMPACT,
     "limits": honoured.LIMITS,

@@ -29,6 +29,7 @@ SECTIONS = {
         "critical_velocity",
         "v50",
         "compare",
+        "reduce_tests",
     ),
     "Tests of materials": ("coupon", "biaxial"),
     "The 3D crossover": (

@@ -30,7 +30,7 @@ for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
 
 # functions and commands of earlier versions: what to use instead
 REMOVED = {
-    "fit": "use scipy.optimize.least_squares (docs/coupons.md), or `compare` for the statistics of tests",
+    "fit": "use scipy.optimize.least_squares (docs/coupons.md), or `reduce_tests` for the statistics of tests",
     "show_fabric": "use `show`",
     "show_projectile": "use `show`",
     "show_backing": "use `show`",

@@ -82,18 +82,23 @@ def draw_strengths(
     return tuple(factors)
 
 
-def with_strengths(pack: Pack, strength: YarnStrength, number: int = 0) -> Pack:
+def with_strengths(
+    pack: Pack, strength: YarnStrength, number: int = 0, stride: int | None = None
+) -> Pack:
     """Return the pack with yarns that differ in strength; its plies are whole.
 
     Parameters
     ----------
     number : of the pack, if many are drawn from one seed
+    stride : numbers of plies from one pack to the next; None takes the plies of this one. Packs of
+        different numbers of plies whose stride is the same share the draws of their first plies
     """
     plies = []
+    stride = stride or len(pack.plies)
     for place, ply in enumerate(pack.plies):
         uniform = replace(ply, grading=None)
         lengths = [count * side for count, side in zip(uniform.counts, uniform.spacing)]
-        of_ply = number * len(pack.plies) + place
+        of_ply = number * stride + place
         factors = draw_strengths(strength, of_ply, uniform.yarn_counts, lengths)
         if ply.sides is not None:
             factors = of_lines(factors, ply)

@@ -71,7 +71,7 @@ GROUPS = {
         "coupon coupon.toml --out coupon",
         "biaxial S-720 --out biaxial",
         "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
-        "compare tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
+        "reduce tests tests.csv ply.toml --tolerance 20m/s --jobs 1 --out compare",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
         "export ply.toml --to lsdyna --out export",

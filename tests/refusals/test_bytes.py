@@ -32,7 +32,7 @@ TESTS = "velocity [m/s], outcome, residual velocity [m/s]\n80, PP, 0\n120, CP, 3
 READERS = {
     "scene.toml": "impact scene.toml --check",
     "fabric.toml": "show fabric.toml",
-    "tests.csv": "compare tests.csv",
+    "tests.csv": "reduce tests tests.csv",
     "law.json": "impact with-law.toml --check",
     "values.csv": "fabrics new new.toml --from values.csv",
     "frame.csv": "fabrics new new.toml --from values.csv --picture-frame frame.csv",

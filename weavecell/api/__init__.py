@@ -15,6 +15,7 @@ from weavecell.api import (
     crossover,
     crossover_result,
     exports,
+    laboratory_tests,
     limits,
     lists,
     meshes,
@@ -33,6 +34,7 @@ from weavecell.api.comparison import *
 from weavecell.api.coupons import *
 from weavecell.api.crossover_result import *
 from weavecell.api.exports import *
+from weavecell.api.laboratory_tests import *
 from weavecell.api.limits import *
 from weavecell.api.lists import *
 from weavecell.api.meshes import *
@@ -55,6 +57,7 @@ __all__ = [
 ]
 __all__ += biaxial_paths.__all__
 __all__ += calibration.__all__
+__all__ += laboratory_tests.__all__
 __all__ += comparison.__all__
 __all__ += coupons.__all__
 __all__ += crossover_result.__all__

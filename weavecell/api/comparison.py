@@ -1,289 +1,604 @@
-"""Tests of a laboratory, alone and beside what is computed.
+"""Which of two panels stops more, A or B: the difference of V50 or of the limit, with its interval.
 
 The folder of `weavecell compare`
-    comparison.json      V50 of the tests, computed critical velocity, residual velocities, with
-                         intervals, provenance
-    shots.csv            every test with the computed outcome and residual velocity
-    comparison.svg       residual against strike velocity, tested and computed
-    report.html          all of it on one page
-    scene.toml           the input file
-
-Of tests alone
-    tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals,
+    difference.json      difference with its interval, verdict, masses, range over what is assumed,
                          provenance
-    shots.csv            every test
-    tests.svg            residual against strike velocity
+    difference.csv       a row for A, for B and for their difference
+    difference.svg       the picture
+    report.html          all of it on one page
+    a/, b/               what `weavecell v50` or `critical-velocity` write of each
+    runs/                a file for each finished run, from which --resume goes on
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import logging
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
+from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import limits, quantities, study_run
-from weavecell.api.execution import Execution, ResumableSearchKeywords
+from weavecell.api import quantities, study_run
+from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.limits import CriticalVelocityResult
 from weavecell.api.result import save_to
-from weavecell.api.study_result import DrawnResult, StudyResult
-from weavecell.api.target import resolve_target
-from weavecell.results import out_folder, progress
+from weavecell.api.run_size import StudySize
+from weavecell.api.scatter import V50Result
+from weavecell.api.study_result import DrawnResult
+from weavecell.api.target import is_input_file, list_assumptions, resolve_target
+from weavecell.results import display, keys, out_folder
+from weavecell.results.left_out import LeftOut
 from weavecell.scenes import honoured
+from weavecell.studies import paired
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.quality import Indicator
     from weavecell.api.target import Target
-    from weavecell.studies.compare import Comparison, ReducedTests
+    from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.paired import Difference
 
-__all__ = ["ComparisonResult", "TestsResult", "compare"]
+__all__ = ["ComparisonResult", "compare"]
 
-
-OF_TESTS = ("tests.json", "shots.csv", "tests.svg")
-NAMES = ("comparison.json", "shots.csv", "comparison.svg", "scene.toml", "report.html")
+NAMES = ("difference.json", "difference.csv", "difference.svg", "report.html", "a/*", "b/*")
+# what is computed of each: its name in words
+QUANTITIES = {"v50": "V50", "critical-velocity": "critical velocity"}
+# fields of a set-up that a comparison is about
+COMPARED = (
+    *("fabric", "laws", "surface", "lay_up", "plies", "stacking", "ply_gap", "ply_friction"),
+    *("bending", "cell_model", "packed_area", "contact", "grading", "elements_per_crossover"),
+    *("strike_velocity", "table_size"),
+)
 
 
 @out_folder.reading
-@explain_keywords(ResumableSearchKeywords, Keywords)
+@explain_keywords(ResumableKeywords, Keywords)
 def compare(
-    tests: FilePath,
-    target: Fabric | FilePath | ImpactSetup | None = None,
+    target: Fabric | FilePath | ImpactSetup | None,
+    other: Fabric | FilePath | ImpactSetup | None,
     *,
+    quantity: str = "v50",
+    shots: int = 40,
     tolerance: float | str = "1 m/s",
-    **options: Unpack[ResumableSearchKeywords],
-) -> ComparisonResult | TestsResult:
-    """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual
-    velocities, with intervals.
+    assumed_range: bool | Literal["laws"] = False,
+    check: bool = False,
+    seed: int = 1,
+    **options: Unpack[StudyKeywords],
+) -> ComparisonResult:
+    """Say which of two panels or packs stops more, A or B, by the difference of V50 or of the
+    critical velocity.
 
-    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated)
-    and, where it was measured, residual velocity, each speed with its unit in the heading:
-    "velocity [m/s]". Without a target nothing is computed: the tests alone give V50 of a probit
-    fit, V50 of six shots (MIL-STD-662F), and the fit of Lambert and Jonas to the residual
-    velocities. With a target the shots are also fired at it at these velocities, and its critical
-    velocity is found, on the mesh of the input file.
+    Shot k at A and shot k at B are fired at panels drawn with the same random numbers: modulus and
+    crimp of the panel, strengths of the yarns, and the impact point of resolved yarns. What both
+    assume, such as the friction of the projectile, is moved for both together. The verdict is
+    "better", "worse", or "not decided" with the number of shots that would decide.
 
-    Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
-    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and
-    [accuracy] are rejected.
+    Of the input files these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
+    [accuracy] are rejected. If one of the two is a single ply and the other is not, both have the
+    mesh of a shot.
 
-    The folder then holds report.html, comparison.json, shots.csv, comparison.svg, scene.toml, and
-    runs/ with a file for each computed shot, from which `resume` goes on; of tests alone tests.json,
-    shots.csv and tests.svg.
+    The folder `out` then has report.html, difference.json, difference.csv, difference.svg, a/ and b/
+    with the results of each, and runs/ with a file for each run.
 
     Parameters
     ----------
-    tests : table of tests (``*.csv``), a row a shot
-    target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up
-        or a Fabric.
-        Left out, the tests alone are reduced
-    tolerance : highest stop and lowest perforation differ by this at most [m/s]
-    **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
+    target : A, an input file of a ply or pack, name of a fabric or its file; in Python also a
+        Fabric, or a set-up of `setup`
+    other : B, an input file of a ply or pack, name of a fabric or its file; in Python also a
+        Fabric, or a set-up of `setup`
+    quantity : v50, of panels that differ in strength; or critical-velocity, without scatter
+    shots : of V50, number of shots at each, at least 4
+    tolerance : of critical-velocity, largest difference between highest stop and lowest perforation
+        [m/s]
+    assumed_range : repeat the searches of both limits with both ends of each assumption. Without
+        this option a command does so if a law or the crimp is assumed; "laws" does so in Python
+    check : run nothing and write nothing: forecast shots and CPU time
+    seed : of V50, seed of all random numbers
+    **options : jobs, executor, out and resume; beside fabrics also keywords of `setup` but history,
+        for both
 
     Returns
     -------
-    ComparisonResult; without a target TestsResult
+    ComparisonResult
 
     Raises
     ------
-    InputError : a wrong table, keywords without a target, or as `critical_velocity`
-    UndecidedError, UnstableError : as `critical_velocity`
+    InputError : as `v50` or `critical_velocity`; a table of tests, which `reduce_tests` reads
+    UnstableError : as `critical_velocity`
 
     Examples
     --------
-    >>> from pathlib import Path
-    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
-    >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
-    >>> comparison.comparison.agree
-    2
+    >>> found = wc.compare("S-720", "S-728", quantity="critical-velocity", opening="50 mm", tolerance="10 m/s")
+    >>> found.verdict
+    'not decided'
     """
-    from shellfabric.membrane import quality
-    from weavecell.studies import ballistic_limit, inputs
-    from weavecell.studies import compare as studies
+    from weavecell.studies import assumed_range as ranges
+    from weavecell.studies import inputs, strengths, v50
 
     width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    fired = studies.read(tests)
-    how, keys = Execution.split(options)
-    if target is None:
-        for key in keys:
-            raise InputError(key=key, allowed="left out if nothing is shot at")
-        with out_folder.hold(how.out, OF_TESTS, how.resume) as folder:
-            return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
-    panel = resolve_target(target, keys, honoured.LIMITS, function="compare")
-    fired_at = inputs.use_one_thread(panel.setup, strike_velocity=1.0)
-    with (
-        out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
-        study_run.keep_runs(folder, how.resume) as runs,
-        limits.keep_shots(panel, folder) as ended,
-        panel.name_problems(),
-    ):
-        struck = panel.setup.target()
-        kept = ballistic_limit.KeptShots(folder and runs, panel.setup)
-
-        def report_to(advance):
-            def report(share, shot):
-                ended.append(shot)
-                advance(share)
-
-            return how.pool | {"report": report, "kept": kept}
-
-        with progress.bar(f"{panel.title}, critical velocity") as advance:
-            limit = ballistic_limit.critical_velocity(struck, tolerance=width, **report_to(advance))
-        with progress.bar("Shots of the tests") as advance:
-            strikes = sorted(set(fired["velocity"].tolist()))
-            shots = ballistic_limit.shoot(struck, strikes, **report_to(advance))
-        computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
-        checks = quality.worst(shot.checks for shot in computed)
-        compared = studies.compare(fired, computed, limit)
-        result = save_to(ComparisonResult(panel, compared, str(tests), checks), folder)
+    if quantity not in QUANTITIES:
+        raise InputError(
+            key="quantity", value=quantity, allowed=f"one of {', '.join(map(repr, QUANTITIES))}"
+        )
+    shots = quantities.read_whole(shots, "shots", v50.LEAST)
+    seed = quantities.read_whole(seed, "seed", 0)
+    how, keywords = Execution.split(options)
+    panels = _resolve(target, other, keywords, quantity)
+    setups = [panel.setup for panel in panels]
+    over = any(ranges.with_ends(setup, assumed_range) is not None for setup in setups)
+    searches = 0
+    if over:
+        searches = 2 * (sum(map(len, ranges.common_changes(*setups).values())) + 2)
+    if check:
+        return _forecast(panels, quantity, shots, searches)  # type: ignore[return-value]
+    scatter = inputs.read_scatter()
+    if quantity == "v50":
+        for panel in panels:
+            with panel.name_problems():
+                strengths.check(panel.setup, scatter)
+    given = tuple(inputs.use_one_thread(setup, strike_velocity=1.0) for setup in setups)
+    title = " or ".join(panel.title for panel in panels)
+    with study_run.begin_study(panels[0], title, how, NAMES, (given, quantity, seed)) as run:
+        begin = _fire_v50 if quantity == "v50" else _search
+        parts = 2 + over
+        results = []
+        for number, panel in enumerate(panels):
+            stride = max(setup.plies for setup in setups)
+            report = run.report(number, parts)
+            # their problems name the file
+            with panel.name_problems():
+                results.append(begin(panel, shots, seed, width, stride, report, run))
+        result = save_to(ComparisonResult(quantity, *results), run.folder)
+        if over:
+            logging.getLogger("weavecell").info(f"{result.lines()[0]}; the range follows")
+            around = _range_of_difference(panels, width, run.report(2, parts), run.runs)
+            result = save_to(replace(result, assumed_range=around), run.folder)
     result.warn()
     return result
 
 
+def _resolve(target, other, keywords, quantity):
+    """The two Targets, single plies beside packs on the mesh of a shot."""
+    refused = honoured.V50 if quantity == "v50" else honoured.LIMITS
+    panels = []
+    for one in (target, other):
+        if str(one).lower().endswith((".csv", ".txt")):
+            raise InputError(
+                "is a table of tests", file=str(one), allowed=f"read by {_name_reduction()}"
+            )
+        beside = keywords
+        # keywords are for the one that is no input file, if the other is
+        if isinstance(one, (str, Path)) and is_input_file(str(one)):
+            others = other if one is target else target
+            named = isinstance(others, (str, Path, Fabric))
+            if named and not (not isinstance(others, Fabric) and is_input_file(str(others))):
+                beside = {}
+        panels.append(resolve_target(one, beside, refused, function="compare"))
+    if len({panel.setup.plies > 1 for panel in panels}) == 2:
+        panels = [replace(panel, setup=panel.setup.meshed) for panel in panels]
+    return panels
+
+
+def _name_reduction():
+    """The function or command that reads tables of tests."""
+    if option("out").startswith("--"):
+        return "`weavecell reduce tests`"
+    return "`reduce_tests`"
+
+
+def _forecast(panels, quantity, shots, searches):
+    """The StudySize of both together, with `searches` of the range."""
+    from weavecell.studies import v50
+
+    sizes = []
+    for panel in panels:
+        setup = panel.setup
+        fired = 0
+        if quantity == "v50":
+            setup = replace(v50.grade_mesh(setup), symmetry="whole")
+            fired = shots
+        sizes.append(StudySize.estimate(setup, panel.title, fired, 1 + searches // 2))
+    return StudySize.add_up(" or ".join(panel.title for panel in panels), sizes)
+
+
+def _fire_v50(panel, shots, seed, width, stride, report, run):
+    """The V50Result of a panel drawn as the other is."""
+    from weavecell.studies import inputs, v50
+
+    batch = v50.usual_batch(shots)
+    drawn = {"shots": shots, "batch": batch, "seed": seed, "stride": stride}
+    study = v50.study(panel.setup, inputs.read_scatter(), **drawn, report=report, **run.runs)
+    return V50Result(study, panel, seed, batch, run.wall_time)
+
+
+def _search(panel, shots, seed, width, stride, report, run):
+    """The CriticalVelocityResult of a panel, with its scan."""
+    from weavecell.studies import limit
+    from weavecell.studies.limit_scan import ScanRange
+
+    scan = ScanRange()
+    study = limit.search(panel.setup, tolerance=width, scan=scan, **run.runs)
+    report(1, 1)
+    return CriticalVelocityResult(panel, study.limit, study.fit, scan=scan, wall_time=run.wall_time)
+
+
+def _range_of_difference(panels, width, report, runs):
+    """AssumedRange of the difference of the limits without scatter, both changed together."""
+    from weavecell.studies import assumed_range as ranges
+    from weavecell.studies import inputs, v50
+
+    pair = tuple(
+        inputs.use_one_thread(v50.grade_mesh(panel.setup), strike_velocity=1.0) for panel in panels
+    )
+    ends = ranges.common_changes(*pair)
+    moved = [change(pair) for of_one in ends.values() for change in of_one.values()]
+    needed = [(setup, width) for both in (pair, *moved) for setup in both]
+    # they run beside each other, and are found again below
+    run_cache.results(v50.search_limit, needed, report=report, **runs)
+
+    def difference(both):
+        found = run_cache.results(v50.search_limit, [(setup, width) for setup in both], **runs)
+        problems = "; ".join(problem for problem, _ in found if problem)
+        if problems:
+            return problems, None
+        return "", found[0][1] - found[1][1]
+
+    nominal = ranges.Row("nominal", *difference(pair))
+    return ranges.run_ends(DIFFERENCE, pair, ends, nominal, difference)
+
+
+DIFFERENCE = "difference of the limits without scatter"
+
+
 @dataclass(frozen=True, repr=False)
-class TestsResult(DrawnResult):
-    """Tests of a laboratory, to which nothing is computed; the table has a row a test.
+class ComparisonResult(DrawnResult):
+    """Two panels or packs, A and B; the table has a row for each and one for A less B.
 
     Parameters
     ----------
-    reduced : `weavecell.studies.compare.ReducedTests`
-    tests : name of their file
+    quantity : "v50" or "critical-velocity"
+    a, b : V50Result or CriticalVelocityResult of each
+    assumed_range : AssumedRange of the difference of the limits without scatter, or None
 
     Examples
     --------
-    >>> from pathlib import Path
-    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n80, CP\\n70, CP\\n75, PP\\n")
-    >>> wc.compare("tests.csv").reduced.table.shape
-    (4, 3)
+    >>> found = wc.compare("S-720", "S-728", quantity="critical-velocity", opening="50 mm", tolerance="10 m/s")
+    >>> low, high = found.interval  # [m/s] of A less B
+    >>> low < found.difference.value < high
+    True
     """
 
-    # pytest would take a class of this name for tests
-    __test__ = False
+    quantity: str
+    a: V50Result | CriticalVelocityResult
+    b: V50Result | CriticalVelocityResult
+    assumed_range: AssumedRange | None = None
 
-    reduced: ReducedTests
-    tests: str
+    @property
+    def targets(self) -> tuple[Target, Target]:
+        """The Target of A and of B."""
+        return self.a.target, self.b.target
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """What A and B are called: what is shot at, or the stem of the file where that is the
+        same."""
+        titles = [panel.title for panel in self.targets]
+        if titles[0] == titles[1]:
+            titles = [Path(panel.name).stem or panel.title for panel in self.targets]
+        return f"A, {titles[0]}", f"B, {titles[1]}"
+
+    @property
+    def values(self) -> tuple[float, float]:
+        """[m/s] V50 or limit of A and of B."""
+        return _value(self.a), _value(self.b)
+
+    @cached_property
+    def difference(self) -> Difference:
+        """V50 or limit of A less that of B, with its interval."""
+        if isinstance(self.a, V50Result) and isinstance(self.b, V50Result):
+            return paired.compare_shots(_outcomes(self.a), _outcomes(self.b))
+        low, high = (_span(self.a)[end] - _span(self.b)[1 - end] for end in (0, 1))
+        fewest = min(len(self.a.shots), len(self.b.shots))
+        return paired.Difference(self.values[0] - self.values[1], low, high, 0.0, fewest, 1.0)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """[m/s] (low, high) of the difference, widened by the range over what is assumed where that
+        is known."""
+        difference = self.difference
+        around = self.assumed_range
+        low, high = difference.low, difference.high
+        if around is not None and around.rows[0].velocity is not None:
+            low += around.low - around.rows[0].velocity
+            high += around.high - around.rows[0].velocity
+        return low, high
+
+    @property
+    def verdict(self) -> str:
+        """ "better" if A is better than B over the whole interval, "worse", or "not decided"."""
+        return paired.judge(*self.interval)
+
+    @property
+    def shots_to_decide(self) -> int | None:
+        """Number of shots at each after which the difference as it is would be decided; None if
+        shots would not decide, or it is decided."""
+        if self.verdict != paired.UNDECIDED or self.quantity != "v50":
+            return None
+        if self.difference.verdict != paired.UNDECIDED:
+            return None
+        return self.difference.shots_to_decide()
+
+    @property
+    def areal_densities(self) -> tuple[float, float]:
+        """[kg/m2] of A and of B, all plies."""
+        a, b = (panel.setup.areal_density for panel in self.targets)
+        return float(a), float(b)
+
+    @property
+    def specific_energies(self) -> tuple[float, float]:
+        """[J m2/kg] energy of the projectile at V50 or limit over areal density, of A and of B."""
+        a, b = (
+            float(0.5 * panel.setup.projectile.mass * value**2 / density)
+            for panel, value, density in zip(self.targets, self.values, self.areal_densities)
+        )
+        return a, b
+
+    @property
+    def checks(self) -> tuple:
+        """As in `Result`, of both."""
+        return (*self.a.checks, *self.b.checks)
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Lines that name what is assumed of the fabrics."""
+        lines = [line for panel in self.targets for line in list_assumptions(panel.setup)]
+        return tuple(dict.fromkeys(lines))
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """What the numbers leave out, of A and of B; the range over what is assumed covers both."""
+        parts = dict.fromkeys((*self.a.left_out, *self.b.left_out))
+        if self.assumed_range is None:
+            return tuple(parts)
+        return tuple(part for part in parts if part.kind != "assumed data")
+
+    @property
+    def other_differences(self) -> list[str]:
+        """Names of what else differs between A and B, such as the opening: then the fabrics alone are
+        not compared."""
+        a, b = (panel.setup for panel in self.targets)
+        named = [field.name for field in fields(a) if field.name not in COMPARED]
+        return [
+            name
+            for name in named
+            if run_cache.inputs_digest(getattr(a, name))
+            != run_cache.inputs_digest(getattr(b, name))
+        ]
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        """Which is better, and by how much."""
+        a, b = self.names
+        difference = self.difference
+        if difference.reason:
+            return f"{a}, or {b}", f"not decided: {difference.reason}"
+        low, high = self.interval
+        by = f"{QUANTITIES[self.quantity]} {difference.value:+.1f} m/s ({low:+.1f} to {high:+.1f})"
+        if self.verdict == paired.UNDECIDED:
+            return f"{a}, or {b}", f"not decided: {by}; {self._what_decides()}"
+        return a, f"{self.verdict} than {b}: {by}"
+
+    def _what_decides(self):
+        """What would decide, in words."""
+        by_shots = self.difference.verdict
+        if by_shots != paired.UNDECIDED and self.assumed_range is not None:
+            widest = next(iter(self.assumed_range.widths))
+            return f"the shots decide, what is assumed does not: {widest} first"
+        if self.quantity != "v50":
+            return "a narrower tolerance, or V50"
+        needed = self.shots_to_decide
+        if needed is None:
+            return f"{paired.MOST_SHOTS:,} shots of each would not decide it either"
+        return f"{needed - self.difference.shots:,} more shots at each, if the difference stays"
+
+    @property
+    def title(self) -> str:
+        """Of picture and page."""
+        return " or ".join(self.names)
+
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
+        difference = self.difference
+        name = QUANTITIES[self.quantity]
+        lines = [" ".join(self.headline)]
+        for label, result, density, energy in zip(
+            self.names, (self.a, self.b), self.areal_densities, self.specific_energies
+        ):
+            low, high = _span(result)
+            span = f" ({low:.1f} to {high:.1f})" if isfinite(high) else ""
+            lines.append(
+                f"{label}: {name} {_value(result):.1f} m/s{span}, {1e3 * density:.0f} g/m², "
+                f"{energy:.1f} J per kg/m²"
+            )
+        heavier = 100 * (self.areal_densities[0] / self.areal_densities[1] - 1)
+        lines.append(f"mass of A: {heavier:+.1f} % against B")
+        if self.quantity == "v50" and not difference.reason:
+            lines.append(
+                f"difference by {difference.shots} shots at each: {difference.low:+.1f} to "
+                f"{difference.high:+.1f} m/s with {100 * difference.confidence:g} % confidence; "
+                f"correlation of the two {difference.correlation:.2g}"
+            )
+            widths = paired.forecast_widths(difference)
+            if widths:
+                each = ", ".join(f"{count} shots ± {width:.1f}" for count, width, _ in widths)
+                lines.append(f"interval of the difference by the shots, m/s: {each}")
+        if self.assumed_range is not None:
+            lines.append(f"over what is assumed: {self.assumed_range.words()}")
+        if self.other_differences:
+            lines.append(f"A and B also differ in: {', '.join(self.other_differences)}")
+        failures = getattr(getattr(self.a, "study", None), "failures", ())
+        failures = (*failures, *getattr(getattr(self.b, "study", None), "failures", ()))
+        return lines + [f"Without an outcome: {failure}." for failure in failures]
 
     def summary(self) -> dict[str, Any]:
-        """Return V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
-        return self.reduced.summary()
+        """Return verdict, difference with its intervals, values and masses of A and B."""
+        difference = self.difference
+        low, high = self.interval
+        numbers: dict[str, Any] = {
+            "a": self.names[0],
+            "b": self.names[1],
+            "quantity": QUANTITIES[self.quantity],
+            "verdict": self.verdict,
+            "difference_m_s": difference.value,
+            "low_m_s": low,
+            "high_m_s": high,
+            "low_by_shots_m_s": difference.low,
+            "high_by_shots_m_s": difference.high,
+            "confidence": difference.confidence,
+            "correlation": difference.correlation,
+            "shots_of_each": difference.shots,
+            "shots_to_decide": self.shots_to_decide,
+            "reason": difference.reason,
+        }
+        for letter, value, density, energy in zip(
+            "ab", self.values, self.areal_densities, self.specific_energies
+        ):
+            numbers[f"{letter}_m_s"] = value
+            numbers[f"{letter}_areal_density_kg_m2"] = density
+            numbers[f"{letter}_specific_energy_J_m2_kg"] = energy
+        return numbers | self._what_is_assumed()
 
     def _columns(self):
-        return self.reduced.table
+        difference = self.difference
+        spans = [_span(self.a), _span(self.b), (difference.low, difference.high)]
+        densities = self.areal_densities
+        energies = self.specific_energies
+        of = {"v50": "v50", "critical-velocity": "critical_velocity"}[self.quantity]
+        return {
+            "panel": [*self.names, "A less B"],
+            f"{of}_m_s": [*self.values, difference.value],
+            "low_m_s": [span[0] for span in spans],
+            "high_m_s": [span[1] for span in spans],
+            "areal_density_kg_m2": [*densities, densities[0] - densities[1]],
+            "specific_energy_J_m2_kg": [*energies, energies[0] - energies[1]],
+        }
+
+    def table(self) -> DataFrame:
+        """Return the table with labels and units."""
+        table = self.to_dataframe()
+        columns = {}
+        for name in table:
+            key = keys.infer_key(str(name))
+            columns[key.meaning] = (key.unit, table[name])
+        return display.frame(columns)
+
+    def _notebook_table(self):
+        return self.table()
+
+    def widths(self) -> DataFrame:
+        """Return the half width of the interval of the difference that numbers of shots would give,
+        and the verdict if the difference stays."""
+        from pandas import DataFrame
+
+        names = ["shots at each", "± of the difference [m/s]", "verdict if it stays"]
+        return DataFrame(paired.forecast_widths(self.difference), columns=names)
 
     def draw(self, pyplot: Any) -> Figure:
-        """Draw residual against strike velocity [m/s]."""
-        from weavecell.report import pictures
+        """Draw V50 or limit of A and B with their shots, and the difference below."""
+        from weavecell.report import pictures_comparison
 
-        return pictures.draw_tests_and_shots(pyplot, self.tests, self.reduced, None)
+        return pictures_comparison.difference(pyplot, self)
 
-    @out_folder.saving(*OF_TESTS)
+    def files(self) -> dict[str, Any]:
+        """Return {file: what it holds}, as `DrawnResult` does."""
+        around = self.assumed_range
+        content = {"format": "weavecell difference 1", **self.summary()}
+        content["assumed_range"] = around and around.summary()
+        return {
+            "difference.json": content,
+            "difference.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "difference.svg": None,
+        }
+
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
         from weavecell.results import provenance
 
-        self._write_files(Path(out), provenance.stamp())
+        out = Path(out)
+        text = "\n".join(f"# {panel.name}\n{panel.text}" for panel in self.targets if panel.text)
+        stamp = provenance.stamp(text, *self.a.target.setup.fabrics, setup=self.b.target.setup)
+        with out_folder.hold(out, NAMES):
+            for name, result in (("a", self.a), ("b", self.b)):
+                (out / name).mkdir(exist_ok=True)
+                result.save(out / name)
+            self._write_files(out, stamp)
+            self._write_report(out, stamp)
 
-    def files(self) -> dict[str, Any]:
-        """Return {file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the
-        picture."""
-        return {
-            "tests.json": {"format": "weavecell tests 1", **self.summary()},
-            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
-            "tests.svg": None,
-        }
+    def _write_report(self, out, stamp):
+        """Write the page that has both."""
+        from weavecell.report import chapters, pictures
+        from weavecell.report.page import Card, Section, Table
+        from weavecell.report.shot import chapters_shot
+        from weavecell.results.left_out import lines_of
+
+        picture = pictures.draw_figure("difference", "", self.draw)
+        tables = [Table.from_frame(self.table())]
+        if len(widths := self.widths()):
+            caption = "Width over the number of shots, if the difference stays as it is"
+            tables.append(Table.from_frame(widths, caption))
+        points = (*self.lines()[1:], *lines_of(self.left_out))
+        points += ("The pages of the two are a/report.html and b/report.html.",)
+        sections = [Section("result", "A and B", "", (picture,), tuple(tables), points)]
+        if self.assumed_range is not None:
+            sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
+        label, value = self.headline
+        cards = [Card("A against B", self.verdict, (value,))]
+        for name, result, density in zip(self.names, (self.a, self.b), self.areal_densities):
+            lines = (f"{1e3 * density:.0f} g/m²", *map(str, result.lines()[:1]))
+            cards.append(Card(name, f"{_value(result):.1f} m/s", lines))
+        fabrics = list({f.name: f for panel in self.targets for f in panel.setup.fabrics}.values())
+        setup, case = self.a.target.setup, self.a.target.case
+        lead = f"A: {chapters.describe_shot(setup, case and case.scene)}"
+        setup, case = self.b.target.setup, self.b.target.case
+        lead += f" B: {chapters.describe_shot(setup, case and case.scene)}"
+        seconds = {"both studies": self.b.wall_time}
+        chapters.write(
+            out, self.title, lead, fabrics, cards, sections, stamp, seconds, f"{label} {value}."
+        )
 
     def __str__(self) -> str:
-        return "\n".join(self.reduced.lines(self.tests))
+        from weavecell.results.left_out import lines_of
+
+        return "\n".join((*self.lines(), *lines_of(self.left_out)))
 
 
-@dataclass(frozen=True, repr=False)
-class ComparisonResult(StudyResult):
-    """Tests of a laboratory beside computed shots; the table has a row a test.
+def _outcomes(result):
+    """{number of the drawn panel: (strike velocity [m/s], whether it perforated)}."""
+    return {shot.number: (shot.velocity, shot.perforated) for shot in result.study.shots}
 
-    Parameters
-    ----------
-    target : `weavecell.api.target.Target` that was shot at
-    comparison : `weavecell.studies.compare.Comparison`
-    tests : name of their file
-    checks : each quality check of the computed shot in which it is worst
 
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
-    >>> comparison = wc.compare("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
-    >>> list(comparison.to_dataframe()["computed"])
-    ['stopped', 'perforated']
-    """
+def _value(result):
+    """[m/s] V50, or the middle of the bracket or of the zone of mixed outcomes."""
+    if isinstance(result, V50Result):
+        return result.v50
+    low, high = _span(result)
+    return 0.5 * (low + high)
 
-    target: Target
-    comparison: Comparison
-    tests: str
-    checks: tuple[Indicator, ...] = ()
 
-    def summary(self) -> dict[str, Any]:
-        """Return V50 of the tests, computed critical velocity and residual velocities, with
-        intervals."""
-        named = {"fabric": self.target.title, "projectile": self.target.projectile}
-        return named | self.comparison.summary()
-
-    @property
-    def headline(self) -> tuple[str, str]:
-        return (
-            "Computed critical velocity",
-            f"{self.comparison.limit.velocity:.1f} m/s{self._format_difference()}",
-        )
-
-    def _format_difference(self):
-        """By how much the computed velocity differs from the V50 of the tests; "" without one."""
-        limit = self.comparison.limit
-        curve = self.comparison.tests.curve
-        if curve.reason:
-            return ""
-        return f", {100 * (limit.velocity / curve.V50 - 1):+.1f} % off the V50 of the tests"
-
-    def _columns(self):
-        return self.comparison.table
-
-    def draw(self, pyplot: Any) -> Figure:
-        """Draw residual against strike velocity [m/s], tested and computed."""
-        from weavecell.report import pictures
-
-        return pictures.draw_tests_and_shots(
-            pyplot, self.title, self.comparison.tests, self.comparison
-        )
-
-    def files(self) -> dict[str, Any]:
-        """Return {file: what it holds}, as `StudyResult` does."""
-        return {
-            "comparison.json": {"format": "weavecell comparison 2", **self.summary()},
-            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
-            "comparison.svg": None,
-        }
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed."""
-        comparison = self.comparison
-        limit = self.comparison.limit
-        bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
-        lines = [
-            f"{self.title}: computed critical velocity {bracket}{self._format_difference()}",
-            *comparison.tests.lines(self.tests),
-            f"computed, Lambert-Jonas: {comparison.computed.words()}",
-        ]
-        count = len(comparison.table)
-        residual = comparison.difference()
-        lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
-        if residual["mean"] is not None:
-            lines.append(
-                "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
-                "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
-            )
-        doubtful = int((comparison.table["checks"] == "doubtful").sum())
-        if doubtful:
-            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
-        return lines
+def _span(result):
+    """(low, high) [m/s] of V50 by the shots, or of the limit."""
+    if isinstance(result, V50Result):
+        return result.v50_low, result.v50_high
+    if result.mixed_zone is not None:
+        return result.mixed_zone
+    return result.bracket

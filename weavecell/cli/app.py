@@ -39,7 +39,8 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "impact": (api.impact, "examples/S-720-stops.toml"),
     "biaxial": (api.biaxial, "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
     "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
-    "compare": (api.compare, "tests.csv examples/S-728-pack.toml"),
+    "compare": (api.compare, "A.toml B.toml --shots 40", "opening", "plies"),
+    "reduce tests": (api.reduce_tests, "tests.csv examples/S-728-pack.toml"),
     "reduce compression": (
         api.reduce_compression,
         "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",

@@ -31,7 +31,7 @@ DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
 LEFT_OUT = {
     "assumed_range": "laws"
 }  # what a function gets where neither the option nor --no-... is given
-ARGUMENTS = ("target", "tests", "fabric", "name", "file", "record")
+ARGUMENTS = ("target", "other", "tests", "fabric", "name", "file", "record")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 # options with another name than their parameter
 WORDS = {"values": "from"}
@@ -224,7 +224,7 @@ def _parameter(parameter, meaning):
     if name in ARGUMENTS:
         settings["metavar"] = metavar or name.upper()
         left_out = parameter.empty
-        if name == "target":
+        if name in ("target", "other"):
             if "fabric" in meaning:
                 settings["metavar"] = "FILE|FABRIC"
             else:

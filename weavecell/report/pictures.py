@@ -294,8 +294,8 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
 
     Parameters
     ----------
-    tests : weavecell.studies.compare.ReducedTests
-    comparison : weavecell.studies.compare.Comparison; None of tests alone
+    tests : weavecell.studies.laboratory_tests.ReducedTests
+    comparison : weavecell.studies.laboratory_tests.Comparison; None of tests alone
     """
     table = tests.table
     strike = tests.table["velocity [m/s]"]

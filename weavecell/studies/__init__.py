@@ -4,5 +4,6 @@
 say how far a result depends on laws that are assumed and on the mesh; `v50` fires at panels whose
 yarns differ in strength (`strengths`), `probit` fits V0, V50 and V100, `protocol` is a laboratory's
 short series; `inputs` has the ranges and spreads of the input, each with its source (inputs.toml);
-`sweep` is a row of a table over keys, `compare` reduces tests of a laboratory and puts them beside.
+`sweep` is a row of a table over keys, `paired` says which of two panels has the higher V50,
+`laboratory_tests` reduces tests and puts computed shots beside them.
 """

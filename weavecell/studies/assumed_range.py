@@ -192,6 +192,28 @@ def changes(setup: ImpactSetup) -> Ends:
     return ends_of
 
 
+def common_changes(a: ImpactSetup, b: ImpactSetup) -> dict[str, dict[str, Callable[..., Any]]]:
+    """Collect the changes of a pair of set-ups that move what both assume under one name together,
+    low with low and high with high, as `changes` does of one: what is not known of both alike, such
+    as the friction of a projectile, then changes both."""
+    of_each = [changes(setup) for setup in (a, b)]
+    pairs: dict[str, dict[str, Any]] = {}
+    for name in dict.fromkeys([*of_each[0], *of_each[1]]):
+        sides = [list(ends.get(name, {}).items()) for ends in of_each]
+        pairs[name] = {}
+        for number in range(max(map(len, sides))):
+            ends = [side[min(number, len(side) - 1)] if side else None for side in sides]
+            words = " / ".join(dict.fromkeys(end[0] for end in ends if end))
+            moved = [end and end[1] for end in ends]
+            pairs[name][words] = partial(_change_both, moved)
+    return pairs
+
+
+def _change_both(moved, pair):
+    """A pair of set-ups, each changed by its own change, or as it is where that is None."""
+    return tuple(setup if change is None else change(setup) for change, setup in zip(moved, pair))
+
+
 def _change_each_ply(change, end, setup):
     """The set-up with change(ply, end) of itself and of every ply of its lay-up."""
     return change(replace(setup, lay_up=tuple(change(ply, end) for ply in setup.lay_up)), end)

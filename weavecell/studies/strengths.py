@@ -36,8 +36,14 @@ class Drawn:
     weakest: tuple[float, float]
 
 
-def draw_panel(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> Drawn:
+def draw_panel(
+    setup: ImpactSetup, scatter: Scatter, seed: int, number: int, stride: int | None = None
+) -> Drawn:
     """Draw the strengths of the panel or pack of a number.
+
+    Parameters
+    ----------
+    stride : as in `with_strengths`, of what is to be drawn alike
 
     Raises
     ------
@@ -48,12 +54,13 @@ def draw_panel(setup: ImpactSetup, scatter: Scatter, seed: int, number: int) -> 
     if whole.crossovers is not None:
         zone = replace(whole.crossovers, seed=(seed, number))
         whole = replace(whole, impact_point=draw_aim(whole, seed, number), crossovers=zone)
-    factors = draw_factors(scatter, seed, number * whole.plies)
+    factors = draw_factors(scatter, seed, number * (stride or whole.plies))
     if all(factor == 1 for factor in factors.values()):
         pack = whole.target(whole.table(kept=True))
     else:
         pack = scale_setup(whole, **factors).target()
-    pack = with_strengths(pack, YarnStrength(scatter.shape, seed, scatter.gauge_length), number)
+    strength = YarnStrength(scatter.shape, seed, scatter.gauge_length)
+    pack = with_strengths(pack, strength, number, stride)
     drawn_strengths = [ply.strength_factors or () for ply in pack.plies]
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))
     return Drawn(pack, factors, (warp, weft))

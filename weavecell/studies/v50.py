@@ -163,9 +163,16 @@ class Study:
         }
 
 
-def fire(setup: ImpactSetup, scatter: Scatter, seed: int, number: int, velocity: float) -> Shot:
-    """Fire the shot of a number at its drawn panel."""
-    drawn = strengths.draw_panel(setup, scatter, seed, number)
+def fire(
+    setup: ImpactSetup,
+    scatter: Scatter,
+    seed: int,
+    number: int,
+    velocity: float,
+    stride: int | None = None,
+) -> Shot:
+    """Fire the shot of a number at its drawn panel; `stride` as in `strengths.draw_panel`."""
+    drawn = strengths.draw_panel(setup, scatter, seed, number, stride)
     panel: dict[str, Any] = drawn.factors | {"weakest": drawn.weakest}
     panel["impact_point"] = drawn.pack.plies[0].impact_point
     try:
@@ -254,6 +261,7 @@ def study(
     batch: int | None = None,
     seed: int = 1,
     tolerance: float = 1.0,
+    stride: int | None = None,
     report: Callable[[int, int], object] = lambda done, total: None,
     **runs: Any,
 ) -> Study:
@@ -268,6 +276,7 @@ def study(
     batch : shots of a round; None takes `usual_batch`
     seed : of all that is drawn
     tolerance : [m/s] of the deterministic limit
+    stride : as in `strengths.draw_panel`, of studies whose panels are drawn alike
     report, runs : as in `run_cache.results`, with the folder of the shots
 
     Raises
@@ -301,7 +310,9 @@ def study(
                 velocities = 0.5 * sum(bracket) * np.linspace(1 - FIRST, 1 + FIRST, count)
             drawn = []
             for number, velocity in enumerate(velocities, begun):
-                drawn.append((setup, scatter, seed, number, round(float(velocity), 6)))
+                shot = setup, scatter, seed, number, round(float(velocity), 6)
+                # one study alone finds its kept shots by these five
+                drawn.append(shot if stride is None else (*shot, stride))
             fired += run_cache.results(
                 fire,
                 drawn,
@@ -351,12 +362,12 @@ def run_assumed_range(
     middle = 0.5 * sum(result.deterministic)
 
     def limit_of(changed):
-        (of_one,) = run_cache.results(_search_limit, [(changed, tolerance)], **runs)
+        (of_one,) = run_cache.results(search_limit, [(changed, tolerance)], **runs)
         return of_one
 
     each = [(change(setup), tolerance) for of_one in ends.values() for change in of_one.values()]
     # they run beside each other
-    run_cache.results(_search_limit, each, report=report, **runs)
+    run_cache.results(search_limit, each, report=report, **runs)
     nominal = assumed_range.Row("nominal", "", middle)
     limits = assumed_range.run_ends("limit without scatter", setup, ends, nominal, limit_of)
     curve = result.curves["probit"]
@@ -378,8 +389,8 @@ def run_assumed_range(
     return assumed_range.run_ends("V50", setup, largest, nominal, v50_of)
 
 
-def _search_limit(setup, tolerance):
-    """("", the limit without scatter [m/s]), or (why there is none, None)."""
+def search_limit(setup: ImpactSetup, tolerance: float) -> tuple[str, float | None]:
+    """Search the limit without scatter: ("", [m/s]), or (why there is none, None)."""
     try:
         return "", 0.5 * sum(deterministic(setup, tolerance))
     except WeavecellError as problem:

@@ -181,7 +181,10 @@ REFUSED += [
     (lambda: wc.impact("S-720", 100.0, plie=3), "plie = 3: is not a keyword of impact, did you"),
     (lambda: wc.critical_velocity("S-720", plie=3), "plie = 3: is not a keyword of critical_veloc"),
     (lambda: wc.v50("S-720", plie=3), "plie = 3: is not a keyword of v50, did you mean plies?"),
-    (lambda: wc.compare(SHOTS, "S-720", plie=3), "plie = 3: is not a keyword of compare, did you"),
+    (
+        lambda: wc.reduce_tests(SHOTS, "S-720", plie=3),
+        "plie = 3: is not a keyword of reduce_tests, did you",
+    ),
 ]
 REFUSED += [
     (lambda: wc.fabric("S-720", linear_density="o"), "linear_density = 'o': must be effective or"),
@@ -211,7 +214,9 @@ def test_a_wrong_keyword_is_refused_by_the_function_that_was_called(function):
         function("S-720", job=2)
 
 
-@pytest.mark.parametrize("name", ["compare", "critical_velocity", "impact", "setup", "v50"])
+@pytest.mark.parametrize(
+    "name", ["compare", "critical_velocity", "impact", "reduce_tests", "setup", "v50"]
+)
 def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
     told = " ".join(inspect.getdoc(getattr(wc, name)).split())
     for key, table in keywords.tables().items():

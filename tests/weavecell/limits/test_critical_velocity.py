@@ -118,7 +118,7 @@ def test_an_interrupted_search_goes_on_behind_its_last_shot(command, mixed, monk
 
 def test_shots_beside_tests_go_on_behind_the_last(command, scene, mixed, monkeypatch, tmp_path):
     (tmp_path / "tests.csv").write_text("velocity [m/s], outcome\n120, PP\n160, CP\n")
-    words = f"compare tests.csv {scene} --jobs 1 --out"
+    words = f"reduce tests tests.csv {scene} --jobs 1 --out"
     assert command(f"{words} whole")[0] == 0
     fire = ballistic_limit._fire
     fired = []

@@ -1,4 +1,4 @@
-"""`weavecell sweep`, `v50` and `compare`: tables, resuming, and limits against the number of plies."""
+"""`weavecell sweep`, `v50` and `reduce tests`: tables, resuming, and limits against the number of plies."""
 
 import re
 import shutil
@@ -147,7 +147,7 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):
     )
     (tmp_path / "tests.csv").write_text(fired)
     (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
-    line = "compare tests.csv scene.toml --tolerance '10 m/s' --jobs 1 --out r"
+    line = "reduce tests tests.csv scene.toml --tolerance '10 m/s' --jobs 1 --out r"
     out = succeed(line)
     folder = tmp_path / "r"
     told = table_of(folder, "comparison.json")

@@ -13,7 +13,7 @@ from shellfabric.impact.run import run_impact
 from weavecell.api import limits
 from weavecell.api.scatter import V50Result
 from weavecell.results.impact import ImpactRecord
-from weavecell.studies import compare, sweep, v50, window
+from weavecell.studies import laboratory_tests, sweep, v50, window
 from weavecell.studies import limit as limit_study
 from weavecell.studies.ballistic_limit import Limit, Shot
 
@@ -174,17 +174,17 @@ def test_tests_and_computed_shots_stand_in_their_own_rows():
     """Tests in another order than by velocity: each has the computed shot of its place."""
     tests = pd.DataFrame(
         {
-            compare.VELOCITY: [95.0, 70.0, 110.0, 80.0],
-            compare.OUTCOME: ["perforated", "stopped", "stopped", "perforated"],
-            compare.RESIDUAL: [20.0, 0.0, 0.0, 9.0],
+            laboratory_tests.VELOCITY: [95.0, 70.0, 110.0, 80.0],
+            laboratory_tests.OUTCOME: ["perforated", "stopped", "stopped", "perforated"],
+            laboratory_tests.RESIDUAL: [20.0, 0.0, 0.0, 9.0],
         }
     )
     by_velocity = {shot.strike_velocity: shot for shot in SHOTS}
-    shots = [by_velocity[v] for v in tests[compare.VELOCITY]]
-    found = compare.compare(tests, shots, Limit(80.0, 95.0, SHOTS))
+    shots = [by_velocity[v] for v in tests[laboratory_tests.VELOCITY]]
+    found = laboratory_tests.compare(tests, shots, Limit(80.0, 95.0, SHOTS))
     table = found.table
     assert list(table["velocity [m/s]"]) == [95.0, 70.0, 110.0, 80.0]
-    assert list(table["tested"]) == list(tests[compare.OUTCOME])
+    assert list(table["tested"]) == list(tests[laboratory_tests.OUTCOME])
     assert list(table["computed"]) == ["perforated", "stopped", "perforated", "stopped"]
     assert list(table["tested residual velocity [m/s]"]) == [20.0, 0.0, 0.0, 9.0]
     computed = table["computed residual velocity [m/s]"]

@@ -27,11 +27,12 @@ PLY = "force [N], displacement [mm]\n" + "".join(
 )
 # command: (words, files that it leaves) of those that no session run has
 OTHERS = {
-    "compare": ("compare tests.csv", "tests.json shots.csv tests.svg"),
-    "compare with a target": (
-        "compare tests.csv S-720",
+    "reduce tests": ("reduce tests tests.csv", "tests.json shots.csv tests.svg"),
+    "tests with a target": (
+        "reduce tests tests.csv S-720",
         "comparison.json shots.csv comparison.svg report.html",
     ),
+    "a or b": ("compare S-720 S-728", "difference.json difference.svg a/v50.json report.html"),
     "mesh": ("mesh S-720 --format k,rad", "crossover.k crossover_0000.rad quality.png mesh.json"),
     "patch": ("mesh S-720 --patch 2x2 --format inp", "patch.inp patch.png"),
     "reduce shot": ("reduce shot flight.csv --mass '3 g'", "shot.json motion.csv motion.svg"),
@@ -70,7 +71,7 @@ def not_computed(monkeypatch):
         "shellfabric.impact.run.run_impact",
         "weavecell.studies.ballistic_limit.shoot",
         "weavecell.studies.biaxial_path.to_strength",
-        "weavecell.studies.compare.reduce",
+        "weavecell.studies.laboratory_tests.reduce",
         "weavecell.studies.displacement_record.reduce",
         "weavecell.studies.compression_records.laws_of",
         "weavecell.decks.model.build",
@@ -108,8 +109,8 @@ def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_
 @pytest.mark.parametrize(
     "words",
     [
-        "compare shots.csv",
-        "compare shots.csv S-720",
+        "reduce tests shots.csv",
+        "reduce tests shots.csv S-720",
         "impact law.toml",
         "v50 law.toml",
         "biaxial S-720 --law biaxial.json",
@@ -158,22 +159,22 @@ def test_an_input_file_in_the_folder_stays_to_the_last_byte(command, tmp_path, w
 def test_results_that_a_run_reads_are_not_replaced_by_it(command, succeed, tmp_path):
     """Although weavecell wrote them, in Python too."""
     (tmp_path / "tests.csv").write_text(TESTS)
-    succeed("compare", "tests.csv", "--out", "o")
+    succeed("reduce", "tests", "tests.csv", "--out", "o")
     (tmp_path / "o/shots.csv").rename(tmp_path / "o/kept.csv")
     (tmp_path / "o/shots.csv").write_text(TESTS)
     with pytest.raises(InputError, match=r"shots.csv, which this run reads"):
-        wc.compare("o/shots.csv", out="o")
+        wc.reduce_tests("o/shots.csv", out="o")
     assert (tmp_path / "o/shots.csv").read_text() == TESTS
 
 
 def test_results_that_were_changed_are_kept_and_unchanged_ones_replaced(succeed, command, tmp_path):
     (tmp_path / "tests.csv").write_text(TESTS)
-    succeed("compare", "tests.csv", "--out", "o")
+    succeed("reduce", "tests", "tests.csv", "--out", "o")
     (tmp_path / "o/notes.txt").write_text("mine")
-    succeed("compare", "tests.csv", "--out", "o")
+    succeed("reduce", "tests", "tests.csv", "--out", "o")
     with open(tmp_path / "o/tests.json", "a") as file:
         file.write(" ")
-    code, _, err = command("compare", "tests.csv", "--out", "o")
+    code, _, err = command("reduce", "tests", "tests.csv", "--out", "o")
     assert code == 2
     assert "tests.json, which was changed since weavecell wrote it" in err
     assert (tmp_path / "o/notes.txt").read_text() == "mine"
@@ -184,7 +185,7 @@ def test_a_result_that_is_saved_overwrites_nothing(tmp_path, monkeypatch):
     (tmp_path / "tests.csv").write_text(TESTS)
     (tmp_path / "shots.csv").write_text(TESTS)
     with pytest.raises(InputError, match=r"shots.csv, which weavecell did not write"):
-        wc.compare("tests.csv").save(".")
+        wc.reduce_tests("tests.csv").save(".")
     assert (tmp_path / "shots.csv").read_text() == TESTS
 
 

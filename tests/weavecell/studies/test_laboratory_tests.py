@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import stats
 
 import weavecell as wc
-from weavecell.studies import compare, protocol
+from weavecell.studies import laboratory_tests, protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
 
 TABLE = """# a pack, made up
@@ -23,7 +23,7 @@ perforated, 504,
 
 def read(folder, text):
     (folder / "tests.csv").write_text(text)
-    return compare.read(folder / "tests.csv")
+    return laboratory_tests.read(folder / "tests.csv")
 
 
 def shot(velocity, residual):
@@ -45,7 +45,7 @@ def comparison(tmp_path):
     """Compare the tests of TABLE with made-up shots of known residual velocities."""
     tests = read(tmp_path, TABLE)
     shots = [shot(v, r) for v, r in zip(tests["velocity"], (0.0, 44.0, 70.0, 15.0, 90.0))]
-    return compare.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
+    return laboratory_tests.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
 
 
 def test_outcomes_as_tested_are_counted(comparison):
@@ -85,7 +85,7 @@ def test_the_v50_that_laboratories_state(tmp_path):
     fired = "velocity [ft/s], outcome\n430,PP\n445,PP\n452,CP\n455,PP\n470,CP\n480,CP\n"
     tests = read(tmp_path, fired)
     shots = [shot(v, 0.0) for v in tests["velocity"]]
-    found = compare.compare(tests, shots, Limit(104.0, 106.0, ())).tests.six_shots
+    found = laboratory_tests.compare(tests, shots, Limit(104.0, 106.0, ())).tests.six_shots
     assert found.velocity == pytest.approx(2732 / 6 * 0.3048)
     assert found.spread == pytest.approx(50 * 0.3048)
     assert found.met == 60
@@ -103,7 +103,7 @@ def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
 
 def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
     (tmp_path / "tests.csv").write_text(TABLE)
-    out = succeed("compare", "tests.csv", "--out", "r")
+    out = succeed("reduce", "tests", "tests.csv", "--out", "r")
     assert sorted(path.name for path in (tmp_path / "r").glob("[!.]*")) == [
         "shots.csv",
         "tests.json",
@@ -114,16 +114,18 @@ def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
     assert "tests: V50 of six shots (MIL-STD-662F: 3 fastest stops" in out
     tests = read(tmp_path, TABLE)
     shots = [shot(v, 10.0) for v in tests["velocity"]]
-    beside = compare.compare(tests, shots, Limit(104.0, 106.0, ())).summary()
-    alone = wc.compare(tmp_path / "tests.csv").summary()
+    beside = laboratory_tests.compare(tests, shots, Limit(104.0, 106.0, ())).summary()
+    alone = wc.reduce_tests(tmp_path / "tests.csv").summary()
     assert {key: str(beside[key]) for key in alone} == {key: str(alone[key]) for key in alone}
     with pytest.raises(wc.InputError, match="opening: must be left out if nothing is shot at"):
-        wc.compare(tmp_path / "tests.csv", opening=0.1)
+        wc.reduce_tests(tmp_path / "tests.csv", opening=0.1)
 
 
 def test_of_one_outcome_there_is_no_v50(tmp_path):
     tests = read(tmp_path, "velocity [m/s], outcome\n100, CP\n110, CP\n")
-    found = compare.compare(tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ()))
+    found = laboratory_tests.compare(
+        tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ())
+    )
     assert found.tests.curve.reason == "all 2 shots perforated"
     assert np.isnan(found.summary()["tested_v50_m_s"])
     assert found.difference()["mean"] is None
@@ -169,7 +171,7 @@ def test_the_spread_of_the_tests_is_told(tmp_path):
         "127,CP",
     ]
     rows = "\n".join(["velocity [m/s],outcome", *outcomes])
-    reduced = compare.reduce(read(tmp_path, rows))
+    reduced = laboratory_tests.reduce(read(tmp_path, rows))
     curve = reduced.curve
     summary = reduced.summary()
     assert summary["tested_s_m_s"] == curve.s > 0

@@ -1,0 +1,151 @@
+"""`weavecell compare`: A against B, on outcomes that are drawn and not computed."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics.base.errors import InputError
+from tests.scene_text import impact_scene
+from weavecell.studies import assumed_range, v50
+from weavecell.studies.strengths import draw_aim, draw_factors
+
+fired = []
+
+
+def fake_fire(setup, scatter, seed, number, velocity, stride=None):
+    fired.append((setup.plies, number, stride))
+    factors = draw_factors(scatter, seed, number * (stride or setup.plies))
+    failing = 200.0 * setup.areal_density**0.5 * factors["modulus"]
+    hit = velocity > failing
+    crimps = factors["crimp_warp"], factors["crimp_weft"]
+    left = 0.6 * velocity if hit else 0.0
+    return v50.Shot(
+        number, velocity, left, bool(hit), factors["modulus"], *crimps, (0.9, 0.8), (0, 0), 1e-4
+    )
+
+
+def fake_limit(setup, tolerance):
+    middle = 202.0 * setup.areal_density**0.5 / (1 + setup.projectile.friction)
+    return middle - 0.5 * tolerance, middle + 0.5 * tolerance
+
+
+@pytest.fixture(autouse=True)
+def drawn_outcomes(monkeypatch):
+    fired.clear()
+    monkeypatch.setattr(v50, "fire", fake_fire)
+    monkeypatch.setattr(v50, "deterministic", fake_limit)
+
+
+def test_two_fabrics_with_their_masses():
+    found = wc.compare("S-726", "S-728", shots=30)
+    masses = [wc.fabric(name).weave.areal_density for name in ("S-726", "S-728")]
+    assert found.areal_densities == pytest.approx(masses)
+    true = 200 * (masses[0] ** 0.5 - masses[1] ** 0.5)
+    assert found.interval[0] < true < found.interval[1]
+    assert found.difference.value == pytest.approx(true, abs=0.5 * abs(true) + 1)
+    assert (found.verdict == "better") == (found.interval[0] > 0)
+    assert (found.verdict == "worse") == (found.interval[1] < 0)
+    printed = str(found)
+    assert f"mass of A: {100 * (masses[0] / masses[1] - 1):+.1f} % against B" in printed
+    assert "interval of the difference by the shots, m/s: 10 shots" in printed
+
+
+def test_two_lay_ups_are_drawn_alike_ply_by_ply(tmp_path, succeed):
+    for name, plies in (("two", 2), ("three", 3)):
+        text = impact_scene(fabric="S-728", panel=f"plies = {plies}")
+        (tmp_path / f"{name}.toml").write_text(text)
+    out = succeed("compare two.toml three.toml --shots 20 --jobs 1 --no-assumed-range --out r")
+    assert out.splitlines()[-1] == "written to r"
+    assert "A, 2 x S-728 worse than B, 3 x S-728: V50 -" in out
+    assert {stride for _, _, stride in fired} == {3}
+    numbers = {plies: [n for p, n, _ in fired if p == plies] for plies in (2, 3)}
+    assert numbers[2] == numbers[3] == list(range(20))
+    written = json.loads((tmp_path / "r/difference.json").read_text())
+    assert written["verdict"] == "worse"
+    assert written["high_m_s"] < 0
+    assert written["b_areal_density_kg_m2"] == pytest.approx(1.5 * written["a_areal_density_kg_m2"])
+    for name in ("a/report.html", "b/v50.json", "report.html", "difference.csv", "difference.svg"):
+        assert (tmp_path / "r" / name).is_file()
+
+
+def test_a_hybrid_that_is_resumed_fires_nothing_again(tmp_path, succeed):
+    plies = '[[panel.ply]]\nname = "S-728"\n[[panel.ply]]\nname = "S-726"\ncount = 2\n'
+    (tmp_path / "hybrid.toml").write_text(impact_scene(fabric="S-728", extra=plies))
+    (tmp_path / "plain.toml").write_text(impact_scene(fabric="S-728", panel="plies = 3"))
+    line = "compare hybrid.toml plain.toml --shots 12 --jobs 1 --no-assumed-range --out r"
+    first = succeed(line)
+    assert len(fired) == 24
+    assert succeed(f"{line} --resume").splitlines()[-8:] == first.splitlines()[-8:]
+    assert len(fired) == 24
+    succeed(line.replace("--shots 12", "--shots 16") + " --resume")
+    assert len(fired) < 24 + 32
+    assert "A, 1 x S-728 + 2 x S-726" in first
+
+
+def test_the_same_panel_is_not_decided():
+    found = wc.compare("S-728", "S-728", shots=12)
+    assert found.verdict == "not decided"
+    assert found.difference.value == pytest.approx(0, abs=0.5)
+    assert found.names == ("A, S-728", "B, S-728")
+
+
+def test_what_both_assume_is_moved_together():
+    a, b = (wc.setup(name, 90.0) for name in ("S-726", "S-728"))
+    pairs = assumed_range.common_changes(a, b)
+    ends = [change((a, b)) for change in pairs["friction of the projectile"].values()]
+    assert [one.projectile.friction for one, _ in ends] == [
+        one.projectile.friction for _, one in ends
+    ]
+    assert {one.projectile.friction for one, _ in ends} != {a.projectile.friction}
+    lengths = [change((a, b)) for change in pairs["failure length"].values()]
+    assert all(one.fabric.failure_length != a.fabric.failure_length for one, _ in lengths)
+    assert [one.fabric.failure_length for one, _ in lengths] == [
+        one.fabric.failure_length for _, one in lengths
+    ]
+
+
+def test_the_range_over_what_is_assumed_widens_the_interval():
+    found = wc.compare("S-726", "S-728", shots=12, assumed_range=True)
+    around = found.assumed_range
+    nominal = around.rows[0].velocity
+    by_friction = around.widths["friction of the projectile"]
+    assert by_friction[1] > by_friction[0]
+    low, high = found.interval
+    assert low == pytest.approx(found.difference.low + around.low - nominal)
+    assert high == pytest.approx(found.difference.high + around.high - nominal)
+    # apart, each limit would change by far more than their difference
+    of_one = [fake_limit(found.a.target.setup, 0.0)[0]]
+    slippery = replace(found.a.target.setup.projectile, friction=0.3)
+    of_one.append(fake_limit(replace(found.a.target.setup, projectile=slippery), 0.0)[0])
+    assert by_friction[1] - by_friction[0] < 0.5 * abs(of_one[0] - of_one[1])
+
+
+def test_a_table_of_tests_is_sent_to_the_command_that_reads_it(tmp_path, command):
+    (tmp_path / "tests.csv").write_text("velocity [m/s], outcome\n80, PP\n120, CP\n")
+    code, out, err = command("compare", "tests.csv", "S-720")
+    assert (code, out) == (2, "")
+    assert (
+        err == "error: tests.csv: is a table of tests; must be read by `weavecell reduce tests`\n"
+    )
+    with pytest.raises(InputError, match="must be read by `reduce_tests`"):
+        wc.compare("S-720", tmp_path / "tests.csv")
+
+
+def test_what_else_differs_is_named():
+    a, b = (wc.setup("S-728", 90.0, opening=side) for side in ("0.1 m", "0.2 m"))
+    assert "A and B also differ in: opening" in str(wc.compare(a, b, shots=8))
+
+
+def test_aims_are_the_same_share_of_a_cell():
+    a, b = (wc.setup(name, 90.0, crossovers="yarns") for name in ("S-726", "S-728"))
+    aims = [np.divide(draw_aim(s, 4, 7), s.fabric.weave.w) for s in (a, b)]
+    np.testing.assert_allclose(*aims)
+
+
+def test_a_forecast_fires_nothing():
+    size = wc.compare("S-726", "S-728", shots=12, check=True)
+    assert size.shots == 2 * (12 + 9)
+    assert not fired

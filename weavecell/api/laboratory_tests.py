@@ -1,0 +1,289 @@
+"""Tests of a laboratory, alone and beside what is computed.
+
+The folder of `weavecell reduce tests`
+    comparison.json      V50 of the tests, computed critical velocity, residual velocities, with
+                         intervals, provenance
+    shots.csv            every test with the computed outcome and residual velocity
+    comparison.svg       residual against strike velocity, tested and computed
+    report.html          all of it on one page
+    scene.toml           the input file
+
+Of tests alone
+    tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals,
+                         provenance
+    shots.csv            every test
+    tests.svg            residual against strike velocity
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.fabric import Fabric
+from weavecell.api import limits, quantities, study_run
+from weavecell.api.execution import Execution, ResumableSearchKeywords
+from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.result import save_to
+from weavecell.api.study_result import DrawnResult, StudyResult
+from weavecell.api.target import resolve_target
+from weavecell.results import out_folder, progress
+from weavecell.scenes import honoured
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from shellfabric.impact.setup import ImpactSetup
+    from shellfabric.membrane.quality import Indicator
+    from weavecell.api.target import Target
+    from weavecell.studies.laboratory_tests import Comparison, ReducedTests
+
+__all__ = ["TestsBesideShots", "TestsResult", "reduce_tests"]
+
+
+OF_TESTS = ("tests.json", "shots.csv", "tests.svg")
+NAMES = ("comparison.json", "shots.csv", "comparison.svg", "scene.toml", "report.html")
+
+
+@out_folder.reading
+@explain_keywords(ResumableSearchKeywords, Keywords)
+def reduce_tests(
+    tests: FilePath,
+    target: Fabric | FilePath | ImpactSetup | None = None,
+    *,
+    tolerance: float | str = "1 m/s",
+    **options: Unpack[ResumableSearchKeywords],
+) -> TestsBesideShots | TestsResult:
+    """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual
+    velocities, with intervals.
+
+    TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated)
+    and, where it was measured, residual velocity, each speed with its unit in the heading:
+    "velocity [m/s]". Without a target nothing is computed: the tests alone give V50 of a probit
+    fit, V50 of six shots (MIL-STD-662F), and the fit of Lambert and Jonas to the residual
+    velocities. With a target the shots are also fired at it at these velocities, and its critical
+    velocity is found, on the mesh of the input file.
+
+    Of an input file these keys are ignored: title, projectile.strike_velocity, run.end_time,
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs. [history] and
+    [accuracy] are rejected.
+
+    The folder then holds report.html, comparison.json, shots.csv, comparison.svg, scene.toml, and
+    runs/ with a file for each computed shot, from which `resume` goes on; of tests alone tests.json,
+    shots.csv and tests.svg.
+
+    Parameters
+    ----------
+    tests : table of tests (``*.csv``), a row a shot
+    target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up
+        or a Fabric.
+        Left out, the tests alone are reduced
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]
+    **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
+
+    Returns
+    -------
+    TestsBesideShots; without a target TestsResult
+
+    Raises
+    ------
+    InputError : a wrong table, keywords without a target, or as `critical_velocity`
+    UndecidedError, UnstableError : as `critical_velocity`
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>> comparison = wc.reduce_tests("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> comparison.comparison.agree
+    2
+    """
+    from shellfabric.membrane import quality
+    from weavecell.studies import ballistic_limit, inputs
+    from weavecell.studies import laboratory_tests as studies
+
+    width = quantities.read_positive(tolerance, "m/s", "tolerance")
+    fired = studies.read(tests)
+    how, keys = Execution.split(options)
+    if target is None:
+        for key in keys:
+            raise InputError(key=key, allowed="left out if nothing is shot at")
+        with out_folder.hold(how.out, OF_TESTS, how.resume) as folder:
+            return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
+    panel = resolve_target(target, keys, honoured.LIMITS, function="reduce_tests")
+    fired_at = inputs.use_one_thread(panel.setup, strike_velocity=1.0)
+    with (
+        out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
+        study_run.keep_runs(folder, how.resume) as runs,
+        limits.keep_shots(panel, folder) as ended,
+        panel.name_problems(),
+    ):
+        struck = panel.setup.target()
+        kept = ballistic_limit.KeptShots(folder and runs, panel.setup)
+
+        def report_to(advance):
+            def report(share, shot):
+                ended.append(shot)
+                advance(share)
+
+            return how.pool | {"report": report, "kept": kept}
+
+        with progress.bar(f"{panel.title}, critical velocity") as advance:
+            limit = ballistic_limit.critical_velocity(struck, tolerance=width, **report_to(advance))
+        with progress.bar("Shots of the tests") as advance:
+            strikes = sorted(set(fired["velocity"].tolist()))
+            shots = ballistic_limit.shoot(struck, strikes, **report_to(advance))
+        computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
+        checks = quality.worst(shot.checks for shot in computed)
+        compared = studies.compare(fired, computed, limit)
+        result = save_to(TestsBesideShots(panel, compared, str(tests), checks), folder)
+    result.warn()
+    return result
+
+
+@dataclass(frozen=True, repr=False)
+class TestsResult(DrawnResult):
+    """Tests of a laboratory, to which nothing is computed; the table has a row a test.
+
+    Parameters
+    ----------
+    reduced : `weavecell.studies.laboratory_tests.ReducedTests`
+    tests : name of their file
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n80, CP\\n70, CP\\n75, PP\\n")
+    >>> wc.reduce_tests("tests.csv").reduced.table.shape
+    (4, 3)
+    """
+
+    # pytest would take a class of this name for tests
+    __test__ = False
+
+    reduced: ReducedTests
+    tests: str
+
+    def summary(self) -> dict[str, Any]:
+        """Return V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
+        return self.reduced.summary()
+
+    def _columns(self):
+        return self.reduced.table
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Draw residual against strike velocity [m/s]."""
+        from weavecell.report import pictures
+
+        return pictures.draw_tests_and_shots(pyplot, self.tests, self.reduced, None)
+
+    @out_folder.saving(*OF_TESTS)
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of the module to a folder."""
+        from weavecell.results import provenance
+
+        self._write_files(Path(out), provenance.stamp())
+
+    def files(self) -> dict[str, Any]:
+        """Return {file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the
+        picture."""
+        return {
+            "tests.json": {"format": "weavecell tests 1", **self.summary()},
+            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "tests.svg": None,
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(self.reduced.lines(self.tests))
+
+
+@dataclass(frozen=True, repr=False)
+class TestsBesideShots(StudyResult):
+    """Tests of a laboratory beside computed shots; the table has a row a test.
+
+    Parameters
+    ----------
+    target : `weavecell.api.target.Target` that was shot at
+    comparison : `weavecell.studies.laboratory_tests.Comparison`
+    tests : name of their file
+    checks : each quality check of the computed shot in which it is worst
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n120, CP\\n")
+    >>> comparison = wc.reduce_tests("tests.csv", "S-720", opening="100 mm", tolerance="20 m/s")
+    >>> list(comparison.to_dataframe()["computed"])
+    ['stopped', 'perforated']
+    """
+
+    target: Target
+    comparison: Comparison
+    tests: str
+    checks: tuple[Indicator, ...] = ()
+
+    def summary(self) -> dict[str, Any]:
+        """Return V50 of the tests, computed critical velocity and residual velocities, with
+        intervals."""
+        named = {"fabric": self.target.title, "projectile": self.target.projectile}
+        return named | self.comparison.summary()
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        return (
+            "Computed critical velocity",
+            f"{self.comparison.limit.velocity:.1f} m/s{self._format_difference()}",
+        )
+
+    def _format_difference(self):
+        """By how much the computed velocity differs from the V50 of the tests; "" without one."""
+        limit = self.comparison.limit
+        curve = self.comparison.tests.curve
+        if curve.reason:
+            return ""
+        return f", {100 * (limit.velocity / curve.V50 - 1):+.1f} % off the V50 of the tests"
+
+    def _columns(self):
+        return self.comparison.table
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Draw residual against strike velocity [m/s], tested and computed."""
+        from weavecell.report import pictures
+
+        return pictures.draw_tests_and_shots(
+            pyplot, self.title, self.comparison.tests, self.comparison
+        )
+
+    def files(self) -> dict[str, Any]:
+        """Return {file: what it holds}, as `StudyResult` does."""
+        return {
+            "comparison.json": {"format": "weavecell comparison 2", **self.summary()},
+            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "comparison.svg": None,
+        }
+
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
+        comparison = self.comparison
+        limit = self.comparison.limit
+        bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
+        lines = [
+            f"{self.title}: computed critical velocity {bracket}{self._format_difference()}",
+            *comparison.tests.lines(self.tests),
+            f"computed, Lambert-Jonas: {comparison.computed.words()}",
+        ]
+        count = len(comparison.table)
+        residual = comparison.difference()
+        lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
+        if residual["mean"] is not None:
+            lines.append(
+                "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
+                "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
+            )
+        doubtful = int((comparison.table["checks"] == "doubtful").sum())
+        if doubtful:
+            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
+        return lines

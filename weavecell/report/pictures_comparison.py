@@ -1,0 +1,70 @@
+"""Pictures of two panels side by side."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_beside
+
+if TYPE_CHECKING:
+    from weavecell.api.comparison import ComparisonResult
+
+COLOURS = {"A": BLUE, "B": ORANGE}
+
+
+def difference(pyplot: Any, result: ComparisonResult) -> Any:
+    """Draw the outcomes of the shots at A and B with the curves of V50, or residual velocities about
+    the limits; below the difference with what widens it."""
+    figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 7.4), height_ratios=(2.2, 1))
+    for name, one in zip(result.names, (result.a, result.b)):
+        colour = COLOURS[name[0]]
+        if result.quantity == "v50":
+            _draw_probability(axis, one, name, colour)
+        else:
+            _draw_residuals(axis, one, name, colour)
+    axis.set(xlabel="strike velocity [m/s]")
+    legend_beside(axis)
+    found = result.difference
+    bars = {"by the shots": (found.low, found.high)}
+    around = result.assumed_range
+    if around is not None:
+        bars["with what is assumed"] = result.interval
+    for row, ends in enumerate(bars.values()):
+        if np.isfinite(ends).all():
+            lower.plot(ends, [row, row], lw=7, color=FAINT, alpha=0.6, solid_capstyle="butt")
+        lower.plot(found.value, row, "D", color=INK)
+    lower.axvline(0, color=INK, lw=1)
+    lower.set_yticks(range(len(bars)), bars)
+    lower.set_ylim(len(bars) - 0.4, -0.6)
+    lower.grid(axis="y", visible=False)
+    lower.set(xlabel="A less B [m/s]: above 0, A is better")
+    return figure
+
+
+def _draw_probability(axis, result, name, colour):
+    """The fitted curve, stops below and perforations above it."""
+    shots = result.study.shots
+    V = np.array([shot.velocity for shot in shots])
+    hit = np.array([shot.perforated for shot in shots])
+    lift = 0.05 if name[0] == "B" else 0.0
+    curve = result.study.curves["probit"]
+    label = f"{name}: V50 {curve.V50:.1f} m/s"
+    if curve.reason:
+        axis.plot([], [], color=colour, label=f"{name}: no V50")
+    else:
+        grid = np.linspace(V.min(), V.max(), 300)
+        axis.plot(grid, curve.probability(grid), color=colour, label=label)
+    axis.plot(V[~hit], np.full((~hit).sum(), -0.05 - lift), "o", ms=5, mfc="none", color=colour)
+    axis.plot(V[hit], np.full(hit.sum(), 1.05 + lift), "s", ms=4.5, color=colour)
+    axis.set(ylabel="probability of perforation [-]", ylim=(-0.16, 1.16))
+
+
+def _draw_residuals(axis, result, name, colour):
+    """Residual velocities, and the bracket or the zone of mixed outcomes."""
+    V = [shot.strike_velocity for shot in result.shots]
+    residual = [shot.residual_velocity for shot in result.shots]
+    axis.plot(V, residual, "o", ms=5, color=colour, label=name)
+    axis.axvspan(*(result.mixed_zone or result.bracket), color=colour, alpha=0.35, lw=1)
+    axis.set(ylabel="residual velocity [m/s]")
