@@ -222,14 +222,16 @@ def _fire_v50(panel, shots, seed, width, stride, report, run):
 
 
 def _search(panel, shots, seed, width, stride, report, run):
-    """The CriticalVelocityResult of a panel, with its scan."""
+    """The CriticalVelocityResult of a panel, scanned where outcomes mix."""
     from weavecell.studies import limit
     from weavecell.studies.limit_scan import ScanRange
 
     scan = ScanRange()
-    study = limit.search(panel.setup, tolerance=width, scan=scan, **run.runs)
+    study = limit.search(panel.setup, tolerance=width, scan=scan, only_mixed=True, **run.runs)
     report(1, 1)
-    return CriticalVelocityResult(panel, study.limit, study.fit, scan=scan, wall_time=run.wall_time)
+    return CriticalVelocityResult(
+        panel, study.limit, study.fit, scan=study.scan, wall_time=run.wall_time
+    )
 
 
 def _range_of_difference(panels, width, report, runs):
