@@ -1,5 +1,5 @@
-"""Projectiles by name: fragment simulators, right circular cylinders and spheres of steel
-(`projectiles.toml`).
+"""Projectiles by name: fragment simulators, right circular cylinders and spheres of steel, and
+bullets (`projectiles.toml`).
 
 An entry holds keys of the table [projectile] of an input file as they would be written there ("1.10
 g"), each with its source and status, and the tolerance of the mass if one is known. A file of a
@@ -26,6 +26,17 @@ _FILE = Path(__file__).with_name("projectiles.toml")
 CLOSE = 0.1
 STATUSES = ("published", "nominal", "derived", "assumed")
 _OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
+# of a body of metal alone
+_OF_METAL = (
+    "core",
+    "jacket",
+    "jacket_thickness",
+    "bare_tip",
+    "open_base",
+    "cavity_diameter",
+    "cavity_depth",
+    "element_size",
+)
 _OF_SHAPE = {"sphere": ("mass", "diameter"), "stl": ("mass", "edge_radius")}
 
 Entry = Mapping[str, Mapping[str, str]]  # {key: its value, source and status}
@@ -43,7 +54,7 @@ def list_names() -> tuple[str, ...]:
 
 
 def density() -> float:
-    """Return the density [kg/m3] of the steel that all of them are made of."""
+    """Return the density [kg/m3] of the steel that all of them but the bullets are made of."""
     return si(_data()["steel"]["density"]["value"], "kg/m^3")
 
 
@@ -121,7 +132,10 @@ def table(
     chosen = given.get("shape", shape)
     shared = _OF_SHAPE.get(chosen, _OF_ANY_NOSE)
     taken: dict[str, Any] = {"name": name, "shape": shape}
+    rigid = given.get("body", "metal") != "metal"
     for quantity, row in data.items():
+        if rigid and quantity in _OF_METAL:
+            continue
         if quantity != "mass_tolerance" and (chosen == shape or quantity in shared):
             taken[quantity] = row.get("value")
     return taken | dict(given)

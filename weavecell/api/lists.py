@@ -126,7 +126,8 @@ def fabrics(*, out: FilePath | None = None) -> DataFrame:
 
 
 def projectiles(*, out: FilePath | None = None) -> DataFrame:
-    """List the fragment simulators, cylinders and spheres that an input file may name, a row each.
+    """List the fragment simulators, cylinders, spheres and bullets that an input file may name, a
+    row each.
 
     Parameters
     ----------
@@ -239,7 +240,7 @@ def _projectile(name):
 
     shape, data = projectile_data.entry(name)
     title = f"{name}, {SHAPES[shape].words}"
-    if name in projectile_data.list_names():
+    if name in projectile_data.list_names() and "core" not in data:
         title += f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
     return Tables({title: _sources(data)})
 

@@ -11,6 +11,7 @@ from weavecell.report.pictures_style import BLUE, FAINT, INK, RED
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
+    from shellfabric.metal.body import MetalHistory
     from shellfabric.projectile.dynamics import BarHistory
 
 # [m] the cut is shown at least this far to either side
@@ -39,6 +40,45 @@ def bar(pyplot: Any, history: BarHistory) -> Any:
     low.axhline(0.0, color=FAINT, lw=1)
     low.set(xlabel="time after strike [µs]", ylabel="from the centre [µm]")
     low.set_xlim(0, t[-1] if t.size else 1)
+    return figure
+
+
+def mushroom(pyplot: Any, body: MetalHistory) -> Any:
+    """Draw a projectile of metal at rest and at the end, cut along its axis and coloured by effective
+    plastic strain, its jacket framed, beside the velocities of tip, tail and centre of mass.
+
+    Parameters
+    ----------
+    body : shellfabric.metal.body.MetalHistory
+    """
+    from matplotlib.collections import PolyCollection
+
+    figure, (rest, end, side) = pyplot.subplots(1, 3, figsize=(10.4, 4.6), width_ratios=(1, 1, 1.3))
+    wide = 0.6 * MM * max(body.width, body.width_at_rest)
+    long = MM * body.length_at_rest
+    most = max(float(body.plastic.max()), 0.1)
+    shown = (
+        (rest, "at rest", body.rest, 0 * body.plastic),
+        (end, "at the end", body.places, body.plastic),
+    )
+    for axes, title, places, strain in shown:
+        corners = MM * places[body.corners]
+        corners[..., 1] -= MM * places[:, 1].max()
+        for way in (1, -1):
+            drawn = PolyCollection(corners * [way, 1], cmap="YlOrBr", lw=0.4, clim=(0, most))
+            drawn.set_array(strain)
+            drawn.set_edgecolor(np.where(body.jacketed, INK, FAINT))
+            axes.add_collection(drawn)
+        axes.set(xlim=(-wide, wide), ylim=(-1.05 * long, 0.05 * long), aspect="equal")
+        axes.set(title=title, xlabel="r [mm]")
+    rest.set(ylabel="along the axis [mm]")
+    figure.colorbar(drawn, ax=end, label="plastic strain [-]", shrink=0.85)
+    t = US * body.t
+    side.plot(t, body.tip_velocity, color=RED, lw=1.0, label="tip")
+    side.plot(t, body.tail_velocity, color=BLUE, lw=1.2, label="tail")
+    side.plot(t, body.centre_velocity, color=INK, lw=2.0, label="centre of mass")
+    side.set(xlabel="time after strike [µs]", ylabel="velocity [m/s]")
+    side.legend(loc="best")
     return figure
 
 

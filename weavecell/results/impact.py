@@ -354,6 +354,7 @@ class ImpactRecord(ImpactData):
         """Read what `write` wrote; InputError if the file is not one of these."""
         from shellfabric.block.coupling import BackingResult
         from shellfabric.membrane.quality import Indicator
+        from shellfabric.metal.body import MetalHistory
         from shellfabric.projectile.dynamics import BarHistory
 
         with read_hdf5(path, FORMAT) as file:
@@ -374,7 +375,7 @@ class ImpactRecord(ImpactData):
             for group in _members(file, "cuts"):
                 lines = tuple(line[()] for line in _members(group, "lines"))
                 cuts.append(read_group(group, Cut, "cut", lines=lines))
-            for name, kind in zip(_PARTS, (BarHistory, BackingResult)):
+            for name, kind in zip(_PARTS, (BarHistory, MetalHistory, BackingResult)):
                 if name in file:
                     values[name] = read_group(file[name], kind, name)
             return cls(
@@ -389,7 +390,7 @@ class ImpactRecord(ImpactData):
 
 _TEXTS = ("pack", "failure")
 # a record may lack these
-_PARTS = ("bar", "backing")
+_PARTS = ("bar", "metal", "backing")
 # attribute of the record: attribute of the file, and key of summary.json
 SCALARS = {
     key.field: key.name

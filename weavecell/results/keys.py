@@ -76,7 +76,7 @@ TABLES: dict[str, tuple[Key, ...]] = {}
 for _name, _rows in read_data(Path(__file__).with_suffix(".toml")).items():
     TABLES[_name] = tuple(Key(key, *row) for key, row in _rows.items())
 # tables of summary.json that an impact has where this attribute of its record is not empty
-OF_SOME = {"pack": "pack", "bar": "of_bar", "backing": "of_backing"}
+OF_SOME = {"pack": "pack", "bar": "of_bar", "metal": "of_metal", "backing": "of_backing"}
 OF_IMPACTS = (
     *_prefix_keys("histories", TABLES["histories"]),
     *_prefix_keys("energies", TABLES["energies"]),
@@ -90,6 +90,7 @@ OF_IMPACTS = (
     Key("measured/*/edges/*", "N", "in-plane and normal reaction of an edge of the panel"),
     *_prefix_keys("measured/*/fronts/*", TABLES["front"]),
     *_prefix_keys("bar", TABLES["bar"]),
+    *_prefix_keys("metal", TABLES["metal"]),
     *_prefix_keys("backing", TABLES["backing"]),
     Key("quads/*", "1", "node numbers of a ply's elements"),
     *_prefix_keys("cuts/*", TABLES["cut"]),

@@ -453,14 +453,36 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
 
 
 def body(record: ImpactRecord) -> list[Section]:
-    """Build the sections of an elastic projectile and of a block behind the panel, if the run has
-    them."""
+    """Build the sections of a projectile that deforms and of a block behind the panel, if the run
+    has them."""
     sections = []
     if record.bar is not None:
         sections.append(_bar(record))
+    if record.metal is not None:
+        sections.append(_metal(record))
     if record.backing is not None:
         sections.append(_block(record))
     return sections
+
+
+def _metal(record):
+    """Section of a projectile of metal."""
+    body = record.metal
+    lead = (
+        f"It is {text(body.width, 'm', form='.3g')} wide and {text(body.length, 'm', form='.3g')} long at the end, "
+        f"from {text(body.width_at_rest, 'm', form='.3g')} and {text(body.length_at_rest, 'm', form='.3g')} at rest; "
+        f"plastic work has taken {text(body.plastic_energy, 'J', form='.3g')}."
+    )
+    if body.jacket_strain:
+        lead += (
+            f" The jacket is strained by {body.jacket_strain:.2g}; that it tears is not computed."
+        )
+    caption = (
+        "The projectile at rest and at the end, cut along its axis, coloured by effective plastic strain; and the "
+        "velocities of tip, tail and centre of mass."
+    )
+    figure = pictures.draw_figure("mushroom", caption, pictures_body.mushroom, body)
+    return Section("metal", "The projectile of metal", lead, (figure,))
 
 
 def _bar(record):
