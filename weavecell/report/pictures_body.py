@@ -53,7 +53,9 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
     """
     from matplotlib.collections import PolyCollection
 
-    figure, (rest, end, side) = pyplot.subplots(1, 3, figsize=(10.4, 4.6), width_ratios=(1, 1, 1.3))
+    figure, (rest, end, side) = pyplot.subplots(
+        1, 3, figsize=(10.4, 4.8), width_ratios=(1, 1, 1.4), layout="constrained"
+    )
     wide = 0.6 * MM * max(body.width, body.width_at_rest)
     long = MM * body.length_at_rest
     most = max(float(body.plastic.max()), 0.1)
@@ -72,7 +74,9 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
         axes.set(xlim=(-wide, wide), ylim=(-1.05 * long, 0.05 * long), aspect="equal")
         axes.set(title=title, xlabel="r [mm]")
     rest.set(ylabel="along the axis [mm]")
-    figure.colorbar(drawn, ax=end, label="plastic strain [-]", shrink=0.85)
+    figure.colorbar(
+        drawn, ax=(rest, end), label="plastic strain [-]", location="bottom", shrink=0.7, aspect=40
+    )
     t = US * body.t
     side.plot(t, body.tip_velocity, color=RED, lw=1.0, label="tip")
     side.plot(t, body.tail_velocity, color=BLUE, lw=1.2, label="tail")
