@@ -117,7 +117,7 @@ class InputError(WeavecellError, ValueError):
         if file is not None:
             parts.append(f"{file}:")
         if key is not None:
-            parts.append(f"{key} = {value!r}:" if value is not None else f"{key}:")
+            parts.append(f"{key} = {_shorten(repr(value))}:" if value is not None else f"{key}:")
         allowed_text = []
         if message is not None:
             allowed_text = [message]
@@ -191,6 +191,17 @@ def unknown_name(
     return InputError(
         f"unknown {kind}{hint} allowed: {', '.join(known)}", file=file, key=key, value=name
     )
+
+
+# of a value that a line shows
+_LONGEST = 200
+
+
+def _shorten(text):
+    """A text with its middle left out where it is too long for a line."""
+    if len(text) <= _LONGEST:
+        return text
+    return f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 4 :]}"
 
 
 class InputErrors(InputError):

@@ -63,8 +63,8 @@ ENDS = {
 CODES = {"kill": {-9, 0}, "SIGTERM": {130, 0}, "Ctrl-C": {130, 0}, "full disk": {2, 0}}
 # tables that do not depend on when or where a run is made
 TABLES = ("*.csv", "*.k", "*.rad")
-# [s] a command is given up after this
-PATIENCE = 120.0
+# [s] a command is given up after this: the first compiles kernels
+PATIENCE = 900.0
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,14 @@ DEEP = "x = " + "[" * 20_000 + "]" * 20_000
         ("# nothing yet", "scene.toml: is empty"),
         (DEEP, "not valid TOML (lists or tables are nested too deeply)"),
         (f"[panel]\nplies = {'9' * 5000}", "not valid TOML (Exceeds the limit"),
+        (
+            "a.b.c = 1",
+            "scene.toml: is neither; must be an input file, with tables [fabric], [panel]",
+        ),
+        (
+            f"[panel]\nopening = [{'1, ' * 5000}1]",
+            "panel.opening = [1, 1, 1, 1, 1,",
+        ),
         ('title = "a\\u0000b"', "scene.toml: title: has the control character U+0000"),
         ('title = "\\u001B[2J"', "title: has the control character U+001B"),
         ('[fabric]\n"na\\u007Fme" = 1', "fabric: has the control character U+007F"),
@@ -121,7 +129,7 @@ def test_toml_that_no_table_can_be_made_of(command, tmp_path, text, words):
     code, _, err = command("impact scene.toml --check")
     assert code == 2
     assert words in err
-    assert err.count("\n") == 1
+    assert max(map(len, err.splitlines())) < 500
 
 
 def test_json_and_hdf5_that_cannot_be_read(tmp_path):

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 STRIKE = 92.5
 ALLOWED = "an input file or fabric file (*.toml), or one of "
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
+# any of these makes a file one of a fabric, however wrong
+_OF_A_FABRIC = {"name", "warp", "weft", "thickness", "areal_density", "compression", "shear"}
 
 
 @dataclass(frozen=True)
@@ -259,6 +261,7 @@ def resolve_target(
         raise InputError(key="history", allowed=NO_HISTORY)
     if velocity is None and one_shot:
         if file.endswith(".toml"):
+            _refuse_neither(file)
             given = "an input file, or the fabric file with a velocity"
             raise InputError(
                 "is a fabric file", file=target, allowed=f'{given}, such as "92.5 m/s"'
@@ -270,6 +273,20 @@ def resolve_target(
     for line in (f"projectile: {panel.projectile}", *list_assumptions(panel.setup)):
         build.LOG.info(line)
     return panel
+
+
+def _refuse_neither(file):
+    """Refuse a file that is neither an input file nor a fabric file.
+
+    Raises
+    ------
+    InputError
+    """
+    _, table = read_toml(file, what="input file or fabric")
+    if not _OF_A_FABRIC & set(table):
+        tables = ", ".join(f"[{name}]" for name in sorted(_OF_A_SCENE))
+        allowed = f"an input file, with tables {tables}, or a fabric file, with [warp] and [weft]"
+        raise InputError("is neither", file=file, allowed=allowed)
 
 
 def build_target(

@@ -114,7 +114,7 @@ def claim(
     """
     place = folder.resolve()
     if place in _held:
-        _add_names(folder, _held[place], names)
+        _add_names(folder, place, names)
         return
     known = FileList.read(place)
     digests = {run_cache.inputs_digest(given) for given in inputs}
@@ -136,9 +136,9 @@ def claim(
     if not _held:
         atexit.register(release)
         files.watchers.append(_list_file)
-    claimed = _held[place] = Claim(descriptor, made, known, resume=resume)
+    _held[place] = Claim(descriptor, made, known, resume=resume)
     try:
-        _add_names(folder, claimed, names)
+        _add_names(folder, place, names)
         if resume and (known.inputs or not digests):
             earlier = None
         else:
@@ -221,20 +221,22 @@ def _release(place):
     _remove_empty(claimed.made)
 
 
-def _add_names(folder, claimed, names):
-    """Take further names into a claim.
+def _add_names(folder, place, names):
+    """Take further names into the claim of a place, which the user calls `folder`: that may lead
+    through folders that are still to be made.
 
     Raises
     ------
     InputError : as `claim`, of files with these names
     """
+    claimed = _held[place]
     new = set(names) - claimed.names
     read = files.noted_reads()
-    found = [name for name in _present(folder, new) if name not in claimed.written]
+    found = [name for name in _present(place, new) if name not in claimed.written]
     refused = []
     strange = []
     for name in found:
-        path = folder / name
+        path = place / name
         if path.resolve() in read and name in COPIES:
             continue
         if path.resolve() in read:
@@ -251,8 +253,8 @@ def _add_names(folder, claimed, names):
         allowed = f"another folder: this one has {'; '.join(refused)}; nothing was overwritten"
         raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
     for name in strange:
-        aside = _aside(folder / name)
-        os.replace(folder / name, aside)
+        aside = _aside(place / name)
+        os.replace(place / name, aside)
         print(f"{folder / name} is not as weavecell wrote it: kept as {aside.name}, and made again")
     claimed.names |= new
 

@@ -179,6 +179,8 @@ class ProjectileTable(Table):
             self.refuse(" ".join(OF_METAL), 'left out but for the body "metal"')
         if self.shape != "stl":
             self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
+        if self.obliquity == 0 and self.yaw == 0:
+            self.refuse("azimuth", "left out without obliquity and yaw: it is their direction")
         if (self.jacket is None) != (self.jacket_thickness is None):
             raise InputError(key="jacket_thickness", allowed="given together with jacket")
         if self.body != "elastic_bar":

@@ -156,6 +156,17 @@ def test_an_input_file_in_the_folder_stays_to_the_last_byte(command, tmp_path, w
     assert (tmp_path / "scene.toml").read_bytes() == content
 
 
+@pytest.mark.parametrize("way", [".", "./x/..", "x/../", "here", "{}", "y/../here/."])
+def test_a_file_is_kept_whatever_way_leads_to_its_folder(command, tmp_path, way):
+    (tmp_path / "tests.csv").write_text(TESTS)
+    (tmp_path / "shots.csv").write_text("mine")
+    (tmp_path / "here").symlink_to(tmp_path)
+    code, _, err = command("compare", "tests.csv", "--out", way.format(tmp_path))
+    assert code == 2
+    assert "shots.csv, which weavecell did not write" in err
+    assert (tmp_path / "shots.csv").read_text() == "mine"
+
+
 def test_results_that_a_run_reads_are_not_replaced_by_it(command, succeed, tmp_path):
     """Although weavecell wrote them, in Python too."""
     (tmp_path / "tests.csv").write_text(TESTS)
