@@ -46,6 +46,11 @@ def _of_projectile(setup):
     if projectile.tip_radius is not None:
         ratio = projectile.tip_radius / projectile.radius
         yield Number("projectile.tip_radius", "tip_radius", ratio)
+    for key in ("nose_length", "tip_diameter"):
+        length = getattr(projectile, key)
+        # an ogive may be flat, and its tip be none
+        if length:
+            yield Number(f"projectile.{key}", key, length / (2 * projectile.radius))
     diameter = 2 * projectile.radius
     section = pi * projectile.radius**2
     length = projectile.length

@@ -259,7 +259,11 @@ class ImpactSetup:
         a line each; of the opening nothing if the set-up is refused when it is run."""
         fabrics = [self.fabric_of(ply) for ply in range(self.plies)]
         of_fabrics = [note.removeprefix("note: ") for fabric in fabrics for note in fabric.notes]
-        found = (*self.projectile.notes, *dict.fromkeys(of_fabrics), *plausible.judge(list_numbers(self)))
+        found = (
+            *self.projectile.notes,
+            *dict.fromkeys(of_fabrics),
+            *plausible.judge(list_numbers(self)),
+        )
         try:
             return (*self.opening_notes, *found)
         except InputError:
