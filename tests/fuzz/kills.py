@@ -48,7 +48,7 @@ COMMANDS = {
     "coupon frame.toml": True,
     "coupon pull.toml": True,
     "sweep bare.toml --over panel.plies=1,2 --jobs 1": True,
-    "compare tests.csv": True,
+    "reduce tests tests.csv": True,
     "reduce shot flight.csv --mass '3 g'": False,
     "biaxial S-720 --ratio 1:1": False,
     "export bare.toml --to lsdyna": False,

@@ -161,7 +161,7 @@ def test_a_file_is_kept_whatever_way_leads_to_its_folder(command, tmp_path, way)
     (tmp_path / "tests.csv").write_text(TESTS)
     (tmp_path / "shots.csv").write_text("mine")
     (tmp_path / "here").symlink_to(tmp_path)
-    code, _, err = command("compare", "tests.csv", "--out", way.format(tmp_path))
+    code, _, err = command("reduce", "tests", "tests.csv", "--out", way.format(tmp_path))
     assert code == 2
     assert "shots.csv, which weavecell did not write" in err
     assert (tmp_path / "shots.csv").read_text() == "mine"
