@@ -8,18 +8,19 @@ Run with nothing else on the machine:
 Each is a process of its own; medians of its wall and CPU time [s]. Before, one run that is not counted. Byte code is
 kept as Python does by default, whatever PYTHONDONTWRITEBYTECODE says here: with it every process compiles all modules.
 
-With --phases, where the CPU time of the two impacts goes: the stack is looked at every 4 ms of CPU time, and belongs to
-the first row of PHASES of which it has a frame; means over the repeats [s].
+With --phases, where the CPU time of the two impacts goes: the functions of PHASES are wrapped, and each has the time
+that no other of them takes inside it; means over the repeats [s]. Signals of a sampler are lost while compiled code runs.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
+import importlib
 import json
 import os
 import resource
 import runpy
-import signal
 import statistics
 import subprocess
 import sys
@@ -30,21 +31,20 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 SCENE = ROOT / "examples" / "S-720-stops.toml"
-INTERVAL = 4e-3  # [s] of CPU time between two looks; Linux has no shorter one
-# phase: (part of a file's name, name of a function or "" for any) of the frames that make it
+# phase: module and name of the function that makes it; what they load on the way is theirs
 PHASES = {
-    "import of matplotlib": ("/matplotlib/", "<module>"),
-    "other imports": ("", "<module>"),
-    "checkpoints": ("output/checkpoint.py", ""),
-    "first calls of kernels, which load them": ("numba/core/dispatcher.py", "_compile_for_args"),
-    "3D pictures": ("report/pictures3d.py", ""),
-    "other pictures": ("report/pictures.py", "render"),
-    "ParaView series": ("results/vtk.py", ""),
-    "histories.h5, summary.json": ("results/run_folder.py", ""),
-    "rest of the report": ("report/", ""),
-    "table of the cell": ("cell/table_cache.py", ""),
-    "samples and guards": ("driver/solver.py", "_sample"),
-    "steps": ("driver/solver.py", "run"),
+    "table of the cell": ("shellfabric.impact.setup", "ImpactSetup.table"),
+    "set-up of the solver": ("shellfabric.impact.run", "_make_solver"),
+    "steps": ("shellfabric.loop.pack_solver", "PackSolver.advance"),
+    "samples": ("shellfabric.loop.driver", "ExplicitSolver._sample"),
+    "guards": ("shellfabric.loop.driver", "ExplicitSolver._guard"),
+    "checkpoints": ("shellfabric.loop.checkpoint", "write"),
+    "movie of the cut": ("weavecell.report.shot.view", "cut_in_motion"),
+    "picture of the panel": ("weavecell.report.shot.view", "still"),
+    "other pictures": ("weavecell.report.pictures", "render"),
+    "ParaView series": ("weavecell.results.vtk", "write_panel"),
+    "histories.h5, summary.json": ("weavecell.api.shots", "ShotResult.save_numbers"),
+    "rest of the report": ("weavecell.api.shots", "ShotResult.save"),
 }
 
 
@@ -64,32 +64,56 @@ def run(*words):
     return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def phase_of(frame):
-    """The phase that a stack belongs to."""
-    frames = []
-    while frame is not None and not frame.f_code.co_filename.endswith("weavecell/__main__.py"):
-        frames.append((frame.f_code.co_filename, frame.f_code.co_name))
-        frame = frame.f_back
-    for name, (file, function) in PHASES.items():
-        if any(file in where and function in ("", what) for where, what in frames):
-            return name
-    return "all else"
+class Watch:
+    """CPU time [s] of phases that are inside each other."""
+
+    def __init__(self):
+        self.found = Counter()
+        self.open = ["all else"]
+        self.read = 0.0
+
+    def turn(self):
+        """Give the time since the last turn to the innermost phase."""
+        now = time.process_time()
+        self.found[self.open[-1]] += now - self.read
+        self.read = now
+
+    def wrap(self, phase, module, name):
+        """Have the calls of a function be of a phase."""
+        *owner, name = name.split(".")
+        holder = importlib.import_module(module)
+        for part in owner:
+            holder = getattr(holder, part)
+        function = getattr(holder, name)
+
+        @functools.wraps(function)
+        def watched(*arguments, **keywords):
+            self.turn()
+            self.open.append(phase)
+            try:
+                return function(*arguments, **keywords)
+            finally:
+                self.turn()
+                self.open.pop()
+
+        setattr(holder, name, watched)
 
 
-def sampled(scene, out):
+def measured(scene, out):
     """{phase: CPU time [s]} of an impact in this process."""
-    found = Counter()
-    signal.signal(signal.SIGPROF, lambda _, frame: found.update([phase_of(frame)]))
-    signal.setitimer(signal.ITIMER_PROF, INTERVAL, INTERVAL)
+    watch = Watch()
+    for phase, (module, name) in PHASES.items():
+        watch.wrap(phase, module, name)
+    watch.turn()
+    watch.found = Counter({"imports": watch.found.total()})
     sys.argv = ["weavecell", "impact", scene, "--out", out]
     try:
         runpy.run_module("weavecell", run_name="__main__")
     except SystemExit as ended:
         if ended.code:
             raise
-    signal.setitimer(signal.ITIMER_PROF, 0)
-    share = time.process_time() / sum(found.values())
-    return {name: share * count for name, count in found.items()} | {"all": time.process_time()}
+    watch.turn()
+    return watch.found | {"all": watch.found.total()}
 
 
 def phases(cases, repeats, folder):
@@ -100,7 +124,9 @@ def phases(cases, repeats, folder):
         for _ in range(repeats):
             run(__file__, "--child", *words[3::2], "--out", f"{folder}/phases.json")
             total.update(json.loads(Path(f"{folder}/phases.json").read_text("utf-8")))
-        report[name] = {key: round(total[key] / repeats, 3) for key in (*PHASES, "all else", "all")}
+        report[name] = {
+            key: round(total[key] / repeats, 3) for key in ("imports", *PHASES, "all else", "all")
+        }
     return report
 
 
@@ -124,7 +150,7 @@ def main():
     arguments.add_argument("--out", type=Path)
     chosen = arguments.parse_args()
     if chosen.child:
-        chosen.out.write_text(json.dumps(sampled(*chosen.child)), encoding="utf-8")
+        chosen.out.write_text(json.dumps(measured(*chosen.child)), encoding="utf-8")
         return
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / "plain.toml"

@@ -5,7 +5,7 @@ import tomllib
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fabrics.base import units
@@ -13,7 +13,13 @@ from fabrics.base.errors import InputError
 from tests.programs import printed
 
 # the same examples in every run
-SAME = settings(deadline=None, derandomize=True, database=None, print_blob=True)
+SAME = settings(
+    deadline=None,
+    derandomize=True,
+    database=None,
+    print_blob=True,
+    suppress_health_check=[HealthCheck.too_slow],
+)
 PAIRS = [(unit, to) for to, table in units.FACTORS.items() for unit in table]
 # unit = its SI unit and exact value
 EXACT = tomllib.loads("""

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from fabrics.base.checks import FilePath
+from fabrics.base.door import option
 from fabrics.fabric import Fabric
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result
@@ -38,6 +39,13 @@ OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
 # estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
 DURATION = 0.2, 1.0
 SHOTS_OF_A_SEARCH = 9
+# [s] a forecast of more says what it grows with, and of a study what spreads it
+LONG = 600.0
+GROWTH = (
+    "it grows with plies, area and end time in proportion, and with the cube of a smaller side of the "
+    "elements; threads share the plies of a pack"
+)
+SPREAD = "spread the shots over processes, or by dask and mpi over machines, to the same results"
 
 
 @explain_keywords(Keywords)
@@ -176,6 +184,8 @@ class RunSize(_Size):
             f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
             f"memory {1e-6 * self.memory:.0f} MB; {self._seconds} if it goes on to its end time",
         ]
+        if self.cpu_time[1] > LONG:
+            lines.append(GROWTH)
         return "\n".join([*lines, *self.assumed])
 
 
@@ -235,6 +245,10 @@ class StudySize(_Size):
         searches = ""
         if self.searches:
             searches = f", of which {self.searches} searches of a limit"
-        return (
-            f"{self.title}: nothing is run\nabout {self.shots:,} shots{searches}; {self._seconds}"
-        )
+        lines = [
+            f"{self.title}: nothing is run",
+            f"about {self.shots:,} shots{searches}; {self._seconds}",
+        ]
+        if self.cpu_time[1] > LONG:
+            lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
+        return "\n".join(lines)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest_tools import grid
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel
@@ -25,7 +25,7 @@ def hat_mean(x, values, whole, place, length, mirrored):
     return (weight * values[line]).sum() / weight.sum()
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.lists(st.floats(0.2, 3.0), min_size=4, max_size=30),
     st.floats(0.1, 5.0),

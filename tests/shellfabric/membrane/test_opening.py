@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from panels import table
@@ -41,7 +41,7 @@ def edges(panel):
     return np.array(found)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     name=st.sampled_from(NAMES),
     counts=st.tuples(st.floats(0.6, 1.6), st.floats(0.6, 1.6)),
@@ -68,7 +68,7 @@ def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, bounda
         assert_allclose(mine, half, rtol=0, atol=1e-12)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.floats(0.08, 0.3), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 def test_a_graded_panel_struck_off_its_middle_has_its_opening(side, along, across):
     """Its edges lie at different distances from the impact point, both on lines of the grid."""

@@ -7,6 +7,7 @@ import pytest
 import weavecell as wc
 from shellfabric.impact.run import run_impact_or_partial
 from tests.scene_text import impact_scene
+from weavecell.api import run_size
 from weavecell.api.run_size import SHOTS_OF_A_SEARCH
 from weavecell.studies import assumed_range
 
@@ -63,3 +64,19 @@ def test_the_forecast_of_a_sweep_is_the_sum_over_its_rows(tmp_path, monkeypatch)
     assert swept.shots == 2 * (SHOTS_OF_A_SEARCH + 2)
     assert swept.searches == 2
     assert not list(tmp_path.iterdir())
+
+
+def test_a_long_forecast_says_what_it_grows_with_and_what_spreads_it():
+    """Twice the plies take twice the time, twice the memory but for what all share; short ones say nothing of it."""
+    panel = {"opening": "0.2 m", "elements_per_crossover": 2, "ply_gap": "0.1 mm"}
+    one, two = (wc.size_of("S-720", "300 m/s", plies=n, **panel) for n in (20, 40))
+    assert two.elements == 2 * one.elements
+    assert two.cpu_time == pytest.approx([2 * seconds for seconds in one.cpu_time], rel=0.02)
+    assert 1.6 * one.memory < two.memory < 2.02 * one.memory
+    assert run_size.GROWTH in str(two)
+    assert "executor" not in str(two)
+    study = wc.v50("S-720", shots=60, plies=8, check=True, **panel)
+    assert run_size.GROWTH in str(study)
+    assert f"jobs and executor {run_size.SPREAD}" in str(study)
+    short = wc.size_of("S-720", "90 m/s", opening="20 mm", end_time="10 us")
+    assert run_size.GROWTH not in str(short)
