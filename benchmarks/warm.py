@@ -9,7 +9,7 @@ Each is a process of its own; medians of its wall and CPU time [s]. Before, one 
 kept as Python does by default, whatever PYTHONDONTWRITEBYTECODE says here: with it every process compiles all modules.
 
 With --phases, where the CPU time of the two impacts goes: the functions of PHASES are wrapped, and each has the time
-that no other of them takes inside it; means over the repeats [s]. Signals of a sampler are lost while compiled code runs.
+that no other of them takes inside it; means over the repeats [s]. A sampler's signals are lost in compiled code.
 """
 
 from __future__ import annotations

@@ -160,14 +160,13 @@ def test_spline_is_smooth_and_goes_through_flat_cloth(mirrored):
         assert_allclose(weights[0], weights[1], atol=1e-8)
 
 
-@pytest.mark.parametrize("stacking", ["aligned", "alternating"])
-@pytest.mark.parametrize("symmetry", ["quarter", "whole"])
+# each symmetry and each stacking once
+@pytest.mark.parametrize("stacking, symmetry", [("alternating", "quarter"), ("aligned", "whole")])
 def test_forces_against_a_plain_twin(ply, stacking, symmetry):
-    panel = replace(
-        ply, symmetry=symmetry, opening=(0.02, 0.02) if symmetry == "quarter" else (0.012, 0.012)
-    )
+    side = {"quarter": 0.014, "whole": 0.012}[symmetry]
+    panel = replace(ply, symmetry=symmetry, opening=(side, side))
     pack = Pack.stacked(panel, 2, stacking=stacking, gap=0.1e-3, law=LAW)
-    assert_as_plain(Pressed(pack).bulge(np.random.default_rng(1), 0.25e-3))
+    assert_as_plain(Pressed(pack).bulge(np.random.default_rng(1), 0.25e-3, 3e-3))
 
 
 @pytest.mark.parametrize(

@@ -392,14 +392,15 @@ def test_coupons_as_tables_and_figures(tmp_path):
 
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
-    """Of a set-up and of keywords the same; without scatter V50 is the limit."""
-    panel = {"plies": 2, "ply_gap": "0.1 mm", "opening": "40 mm", "elements_per_crossover": 1}
-    search = {"tolerance": "10 m/s", "residual_shots": 3, "scan": False}
+    """Of a set-up and of keywords one bracket in the other; without scatter V50 is the limit."""
+    panel = {"plies": 2, "ply_gap": "0.1 mm", "opening": "24 mm", "elements_per_crossover": 1}
+    search = {"tolerance": "20 m/s", "residual_shots": 1, "scan": False}
     found = wc.critical_velocity("S-720", **search, **panel, end_time="1 us")  # not used
-    again = wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **search)
-    assert found.bracket == again.bracket
     low, high = found.bracket
-    assert low < found.critical_velocity < high <= low + 10
+    wide = search | {"tolerance": "40 m/s", "residual_shots": 0}
+    again = wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **wide)
+    assert again.bracket[0] <= low < high <= again.bracket[1]
+    assert low < found.critical_velocity < high <= low + 20
     assert found.summary()["plies"] == 2
     assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(
         s.strike_velocity for s in found.limit.shots
@@ -407,7 +408,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     assert found.plot().axes[0].get_title(loc="left") == "2 x S-720"
     none = {"weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0}
     curve = wc.v50("S-720", shots=8, batch=4, out=tmp_path, **none, **panel)
-    assert curve.v50 == pytest.approx(found.critical_velocity, abs=10.0)
+    assert curve.v50 == pytest.approx(found.critical_velocity, abs=20.0)
     assert curve.plot().axes[1].get_ylabel() == "residual velocity [m/s]"
 
 

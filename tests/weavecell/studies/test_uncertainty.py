@@ -254,10 +254,10 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(name):
 
 
 def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
-    """Thirty drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
+    """Twelve drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
     and most of what is stopped takes less time."""
     spared = []
-    for number, velocity in enumerate(np.linspace(35.0, 75.0, 30)):
+    for number, velocity in enumerate(np.linspace(40.0, 70.0, 12)):
         panel = strengths.draw_panel(setup_of(fabric, 0.06), inputs.read_scatter(), 5, number).pack
         one, two = (
             ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0]
@@ -267,7 +267,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
         assert one.residual_velocity == two.residual_velocity
         assert two.time == one.time if one.perforated else two.time <= one.time
         spared += [] if one.perforated else [1 - two.time / one.time]
-    assert 8 <= len(spared) <= 22
+    assert 3 <= len(spared) <= 9
     assert np.median(spared) > 0
 
 
