@@ -18,6 +18,7 @@ from weavecell.decks import mismatch
 from weavecell.report import (
     pictures,
     pictures_body,
+    pictures_comparison,
     pictures_coupon,
     pictures_crossover,
     pictures_figure,
@@ -226,6 +227,109 @@ def bar(pyplot):
     }
     places = ("", "", "velocity [m/s]"), ("", "time after strike [µs]", "from the centre [µm]")
     return pictures_body.bar(pyplot, history), dict(zip(places, (upper, lower)))
+
+
+@case(pictures_body.mushroom)
+def mushroom(pyplot):
+    """Two elements of a body, whose jacket is framed: places at rest and at the end, strains at the end alone."""
+    names = ("tip_velocity", "tail_velocity", "centre_velocity")
+    corners = np.array([[0, 1, 3, 2], [2, 3, 5, 4]])
+    body = Given(
+        t=rising(4, 1e-6),
+        **{name: numbers(4) for name in names},
+        width=9e-3,
+        width_at_rest=5e-3,
+        length_at_rest=12e-3,
+        corners=corners,
+        rest=numbers(6, 2) * 1e-3,
+        places=numbers(6, 2) * 1e-3,
+        plastic=np.array([0.3, 0.7]),
+        jacketed=np.array([True, False]),
+    )
+    figure = pictures_body.mushroom(pyplot, body)
+    rest, end, _, bar = figure.axes
+    for axes, title, places, strain in (
+        (rest, "at rest", body.rest, [0, 0]),
+        (end, "at the end", body.places, body.plastic),
+    ):
+        assert axes.get_title(loc="left") == title
+        wanted = 1e3 * (places - [0, places[:, 1].max()])[corners]
+        for drawn, way in zip(axes.collections, (1, -1), strict=True):
+            assert_allclose(drawn.get_array(), strain)
+            found = [path.vertices[:4] for path in drawn.get_paths()]
+            assert_allclose(found, wanted * [way, 1])
+    t = 1e6 * body.t
+    labels = {"tip": "tip_velocity", "tail": "tail_velocity", "centre of mass": "centre_velocity"}
+    wanted = {label: xy(t, getattr(body, name)) for label, name in labels.items()}
+    assert bar.get_xlabel() == "plastic strain [-]"
+    return figure, {("", "time after strike [µs]", "velocity [m/s]"): wanted}
+
+
+@pytest.mark.parametrize("quantity", ["v50", "critical-velocity"])
+def test_two_panels_side_by_side(quantity):
+    """Shots and curves under the name of their own panel, in its colour; the difference and its ends."""
+    sides = []
+    for shift in (0.0, 20.0):
+        shots = tuple(
+            Given(
+                velocity=v + shift, perforated=hit, strike_velocity=v + shift, residual_velocity=r
+            )
+            for v, hit, r in (
+                (80, False, 0.0),
+                (90, True, 11.0 + shift),
+                (85, False, 0.0),
+                (95, True, 30.0),
+            )
+        )
+        curve = Given(reason="", V50=87.0 + shift, probability=lambda V, s=shift: (V - s) / 200)
+        study = Given(shots=shots, curves={"probit": curve})
+        bracket = (84.0 + shift, 86.0 + shift)
+        sides.append(Given(study=study, shots=shots, mixed_zone=None, bracket=bracket))
+    result = Given(
+        names=("A one", "B other"),
+        a=sides[0],
+        b=sides[1],
+        quantity=quantity,
+        difference=Given(value=-20.0, low=-27.0, high=-11.0),
+        assumed_range=Given(),
+        interval=(-40.0, 3.0),
+    )
+    with pictures_figure.plots() as pyplot:
+        figure = pictures_comparison.difference(pyplot, result)
+    axis, lower = figure.axes
+    for name, side in zip(result.names, sides):
+        colour = pictures_comparison.COLOURS[name[0]]
+        own = [line for line in axis.lines if line.get_color() == colour]
+        struck = [shot.strike_velocity for shot in side.shots]
+        if quantity == "v50":
+            curve, stopped, through = own
+            V = np.linspace(min(struck), max(struck), 300)
+            assert_allclose(curve.get_xydata(), xy(V, side.study.curves["probit"].probability(V)))
+            assert curve.get_label() == f"{name}: V50 {side.study.curves['probit'].V50:.1f} m/s"
+            assert list(stopped.get_xdata()) == [struck[0], struck[2]]
+            assert list(through.get_xdata()) == [struck[1], struck[3]]
+            assert max(stopped.get_ydata()) < 0 < 1 < min(through.get_ydata())
+        else:
+            (points,) = own
+            residual = [shot.residual_velocity for shot in side.shots]
+            assert_allclose(points.get_xydata(), xy(struck, residual))
+            assert points.get_label() == name
+    if quantity != "v50":
+        assert [reach(patch, 0) for patch in axis.patches] == [
+            pytest.approx(side.bracket) for side in sides
+        ]
+    ends = [list(line.get_xdata()) for line in lower.lines if len(line.get_xdata()) == 2][:2]
+    assert ends == [[-27.0, -11.0], [-40.0, 3.0]]
+    assert [text.get_text() for text in lower.get_yticklabels()] == [
+        "by the shots",
+        "with what is assumed",
+    ]
+    assert lower.get_xlabel() == "A less B [m/s]: above 0, A is better"
+
+
+@case(pictures_comparison.difference)
+def difference(pyplot):
+    return None  # the test above
 
 
 @case(pictures_body.crater)
