@@ -5,8 +5,10 @@ import pytest
 
 pytest.importorskip("gmsh")
 
+from fabrics.base.errors import InputError
 from shellfabric.loop import checkpoint
-from tests.shellfabric.solids.solid_patches import struck, woven
+from shellfabric.solids.strike import strike
+from tests.shellfabric.solids.solid_patches import SHOT, struck, woven
 
 
 @pytest.fixture(scope="module")
@@ -90,3 +92,26 @@ def test_fibres_that_fail_are_booked(mesh):
     assert run.sample("failed_bars")[-1] > 0
     assert run.sample("failure_dissipation")[-1] > 0
     assert np.abs(run.sample("error")).max() < 5e-3 * run.strike_energy
+
+
+@pytest.mark.parametrize("crossings, modelled", [(4, 1.0), (3, 0.25)])
+def test_a_patch_is_struck_in_one_call(crossings, modelled):
+    """An even number of yarns has a gap in its middle, an odd one a crossover."""
+    shot = strike("S-720", 60.0, SHOT, crossings=crossings, size=(2, 2, 1), duration=1e-6)
+    assert shot.patch.mesh.share == modelled
+    assert shot.t[-1] == pytest.approx(1e-6)
+    assert shot.v[-1] < 60 == shot.v[0]
+    assert shot.z[-1] == pytest.approx(60e-6, rel=0.01)
+    assert shot.energy_error < 1e-4
+    assert shot.edge_time > 0
+    sums = sum(energy for name, energy in shot.energies.items() if name != "error")
+    assert sums - shot.strike_energy == pytest.approx(shot.energies["error"], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "choices, words",
+    [({"crossings": 2}, "crossings = 2"), ({"duration": 1e-3}, "first microseconds")],
+)
+def test_a_large_patch_and_a_long_shot_are_refused(choices, words):
+    with pytest.raises(InputError, match=words):
+        strike("S-720", 60.0, SHOT, **choices)
