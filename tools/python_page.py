@@ -44,7 +44,7 @@ SECTIONS = {
         "crossover.pull_out",
         "surface",
     ),
-    "Files and pictures": ("export", "view"),
+    "Files and pictures": ("export", "view", "load", "overlay"),
 }
 
 

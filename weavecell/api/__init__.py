@@ -23,6 +23,7 @@ from weavecell.api import (
     result,
     run_size,
     runs,
+    saved,
     scatter,
     shots,
     surfaces,
@@ -42,6 +43,7 @@ from weavecell.api.reduction import *
 from weavecell.api.result import *
 from weavecell.api.run_size import *
 from weavecell.api.runs import *
+from weavecell.api.saved import *
 from weavecell.api.scatter import *
 from weavecell.api.shots import *
 from weavecell.api.surfaces import *
@@ -69,6 +71,7 @@ __all__ += reduction.__all__
 __all__ += result.__all__
 __all__ += run_size.__all__
 __all__ += runs.__all__
+__all__ += saved.__all__
 __all__ += scatter.__all__
 __all__ += shots.__all__
 __all__ += surfaces.__all__

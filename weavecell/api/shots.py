@@ -343,6 +343,17 @@ def _with_range(shot, with_ends, folder):
     return replace(shot, assumed_range=around)
 
 
+# what completion offers of a shot
+OFFERED = (
+    *("outcome", "residual_velocity", "strike_velocity", "max_deflection", "absorbed_energy"),
+    *("strike_energy", "cut_yarns", "stop_time", "back_face_signature_mm", "peaks", "mass"),
+    *("time", "velocity", "deflection", "nose_position", "contact_force", "energies", "plies"),
+    *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
+    *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
+    *("checks_text", "doubtful", "assumed", "assumed_range", "left_out", "wall_time"),
+)
+
+
 @dataclass(frozen=True, repr=False, kw_only=True)
 class ShotResult(ImpactRecord, Result):
     """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord`
@@ -426,6 +437,11 @@ class ShotResult(ImpactRecord, Result):
             return ()
         compared = self.pair is not None
         return find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
+
+    def __dir__(self) -> list[str]:
+        """The names that a user needs, for completion; the others of the record are there too."""
+        of_block = {"back_face_signature_mm"} if self.backing is None else set()
+        return [name for name in OFFERED if name not in of_block]
 
     def summary(self) -> dict[str, Any]:
         """Return the entries of summary.json (docs/reference.md), the checks in words, the areal

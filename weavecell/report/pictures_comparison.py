@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_beside
+from weavecell.report.pictures_style import COLOURS as COLOURS_OF_MANY
 
 if TYPE_CHECKING:
     from weavecell.api.comparison import ComparisonResult
@@ -68,3 +70,41 @@ def _draw_residuals(axis, result, name, colour):
     axis.plot(V, residual, "o", ms=5, color=colour, label=name)
     axis.axvspan(*(result.mixed_zone or result.bracket), color=colour, alpha=0.35, lw=1)
     axis.set(ylabel="residual velocity [m/s]")
+
+
+def draw_shots(pyplot: Any, shots: Mapping[str, Any]) -> Any:
+    """Draw velocity, deflection and contact force of several shots over time.
+
+    Parameters
+    ----------
+    shots : {name: ShotResult}
+    """
+    figure, axes = pyplot.subplots(3, 1, figsize=(9, 9), sharex=True)
+    labels = ("velocity [m/s]", "deflection [mm]", "contact force [kN]")
+    for number, (name, shot) in enumerate(shots.items()):
+        looks = {"color": COLOURS_OF_MANY[number % len(COLOURS_OF_MANY)], "label": name}
+        time = 1e6 * shot.time
+        histories = shot.velocity, 1e3 * shot.deflection, 1e-3 * shot.contact_force
+        for axis, values in zip(axes, histories):
+            axis.plot(time, values, **looks)
+    for axis, label in zip(axes, labels):
+        axis.set(ylabel=label)
+    axes[-1].set(xlabel="time [µs]")
+    legend_beside(axes[0])
+    return figure
+
+
+def draw_residuals(pyplot: Any, tables: Mapping[str, tuple[Any, Any]]) -> Any:
+    """Draw residual against strike velocity [m/s] of several results.
+
+    Parameters
+    ----------
+    tables : {name: (strike, residual velocities)} [m/s]
+    """
+    figure, axis = pyplot.subplots(figsize=(9, 5))
+    for number, (name, (strike, residual)) in enumerate(tables.items()):
+        colour = COLOURS_OF_MANY[number % len(COLOURS_OF_MANY)]
+        axis.plot(strike, residual, "o", ms=5, color=colour, label=name)
+    axis.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+    legend_beside(axis)
+    return figure
