@@ -29,7 +29,7 @@ def list_numbers(setup: ImpactSetup) -> Iterator[Number]:
         yield Number("panel.strength.weibull_shape", "weibull_shape", shape)
         length = setup.strength.gauge_length
         yield Number("panel.strength.gauge_length", "gauge_length", length)
-    if setup.crossovers is not None:
+    if setup.crossovers is not None or setup.instead is not None:
         yield from _of_zone(setup)
     if setup.backing is not None:
         yield from _of_block(setup)
@@ -106,7 +106,7 @@ def _of_plies(setup):
 
 
 def _of_zone(setup):
-    zone = setup.crossovers
+    zone = setup.crossovers or setup.instead
     if isfinite(zone.friction):
         yield Number("panel.crossover_friction", "friction", zone.friction)
     if zone.half_width is not None and isfinite(zone.half_width):

@@ -101,6 +101,8 @@ class ImpactSetup:
         nothing
     numerics : Numerics
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
+    instead : YarnZone of yarns that are resolved if a run with pinned ones says that these are not
+        enough; what cannot choose refuses it (`target`)
     plies : number of plies, all of this fabric
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
@@ -153,6 +155,7 @@ class ImpactSetup:
     contact: PlyContact | None = None
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
+    instead: YarnZone | None = None
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
@@ -471,6 +474,8 @@ class ImpactSetup:
         ------
         InputError : as `panel`, Pack and Pack.stacked
         """
+        if self.instead is not None:
+            raise InputError(key="crossovers", value="auto", allowed="pinned or yarns here")
         pack = self._pack(self.panel(table))
         if self.crossovers is not None and self.plies > 1:
             pack = replace(pack, plies=lie_anywhere(pack.plies, self.crossovers.seed))

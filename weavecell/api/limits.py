@@ -148,7 +148,7 @@ def critical_velocity(
     (70.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs
+    from weavecell.studies import choice, inputs
     from weavecell.studies import limit as limits
     from weavecell.studies.limit_scan import ScanRange
 
@@ -167,6 +167,11 @@ def critical_velocity(
     how, keys = Execution.split(options)
     panel = resolve_target(target, keys, honoured.LIMITS, function="critical_velocity")
     over = ranges.with_ends(panel.setup, assumed_range)
+    setup = panel.setup
+    if setup.instead is not None:
+        choice.with_resolved(setup).target()  # what resolved yarns do not have is refused first
+        panel = replace(panel, setup=choice.with_pinned(setup))
+        over = None
     if check:
         fired = residual_shots
         if around is not None:
@@ -199,18 +204,30 @@ def critical_velocity(
                 yield report
 
         with panel.name_problems():
-            study = limits.search(
-                panel.setup,
-                residual_shots=residual_shots,
-                scan=around,
-                only_mixed=scan is None,
-                stage=stage,
-                **beside,
-            )
+            def search():
+                return limits.search(
+                    panel.setup,
+                    residual_shots=residual_shots,
+                    scan=around,
+                    only_mixed=scan is None,
+                    stage=stage,
+                    **beside,
+                )
+
+            study = search()
+            chosen = ""
+            if setup.instead is not None:
+                chosen = choose_yarns(setup, study)
+            if chosen not in ("", choice.PINNED_ENOUGH):
+                logging.getLogger("weavecell").info(chosen)
+                panel = replace(panel, setup=choice.with_resolved(setup))
+                study = search()
         seconds = time.perf_counter() - began
         result = CriticalVelocityResult(
-            panel, study.limit, study.fit, scan=study.scan, wall_time=seconds
+            panel, study.limit, study.fit, scan=study.scan, wall_time=seconds, chosen=chosen
         )
+        if setup.instead is not None:
+            over = ranges.with_ends(panel.setup, assumed_range)
         # what is written with the result need not be kept apart
         ended.clear()
         save_to(result, folder)
@@ -223,6 +240,19 @@ def critical_velocity(
             result = save_to(replace(result, assumed_range=around_it), folder)
     result.warn()
     return result
+
+
+def choose_yarns(setup: ImpactSetup, study: Any) -> str:
+    """Say whether the limit with pinned yarns of a set-up with `instead` counts, or that with resolved ones, and
+    why: by the checks of the shots at the ends of its bracket."""
+    from weavecell.studies import choice
+
+    found = study.limit
+    ends = [one for shot in found.ends for one in shot.checks]
+    reason = choice.find_reason(setup, found.velocity, ends, ", the limit of pinned ones,")
+    if not reason:
+        return choice.PINNED_ENOUGH
+    return f"{reason} (limit of pinned yarns {found.velocity:.1f} m/s)"
 
 
 @contextmanager
@@ -256,6 +286,7 @@ class CriticalVelocityResult(StudyResult):
     assumed_range : AssumedRange of the critical velocity, or None
     scan : ScanRange about the bracket that was scanned, or None
     wall_time : [s]
+    chosen : whether yarns are pinned or resolved, and why; "" where the input says it
 
     Examples
     --------
@@ -271,6 +302,7 @@ class CriticalVelocityResult(StudyResult):
     assumed_range: AssumedRange | None = None
     scan: ScanRange | None = None
     wall_time: float = 0.0
+    chosen: str = ""
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -336,8 +368,9 @@ class CriticalVelocityResult(StudyResult):
         value = f"{self.limit.velocity:.1f} m/s"
         if self.limit.mixed_zone is not None:
             value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
-        if brief := brief_words(self.left_out):
-            value += f" ({brief})"
+        briefs = [words for words in (self.chosen, brief_words(self.left_out)) if words]
+        if briefs:
+            value += f" ({'; '.join(briefs)})"
         return "Critical velocity", value
 
     def _what(self):
@@ -425,6 +458,8 @@ class CriticalVelocityResult(StudyResult):
                 f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots",
                 f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop",
             ]
+        if self.chosen:
+            lines.append(self.chosen)
         lines += self._doubt()
         fit = self.lambert_jonas
         rms = ""

@@ -149,14 +149,19 @@ class RunSize(_Size):
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
         from shellfabric.yarns.model import crossings_of
+        from weavecell.studies import choice
 
+        if setup.instead is not None:
+            again = cls.estimate(choice.with_resolved(setup), title, (), written)
+            setup = choice.with_pinned(setup)
+            assumed = (*assumed, f"if the checks ask for resolved yarns, another {again._seconds}")
         pack = check_impact(setup, written=written)
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
         kind = "one ply"
         if setup.plies > 1:
             kind = "pack"
-        numbers = np.array([pack.elements, bricks, crossings_of(pack.plies[0])])
+        numbers = np.array([pack.elements, bricks, sum(map(crossings_of, pack.plies))])
         costs = np.array([COSTS[kind], OF_A_BRICK, OF_A_CROSSING])
         low, high = steps * numbers @ costs
         needed = memory.needed(pack.plies, setup.snapshots, written=written)

@@ -142,6 +142,9 @@ def impact(
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
+    if uncertainty and panel.setup.instead is not None:
+        allowed = "left out if the yarns are to be pinned or resolved by the checks"
+        raise InputError(key="uncertainty", allowed=allowed)
     # a report describes the panel by what was built from an input file
     if panel.case is None and out is not None:
         raise InputError(
@@ -159,7 +162,7 @@ def impact(
             result, failure = shooting.run(accuracy, uncertainty=uncertainty)
             # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
-                with_ends = ranges.with_ends(panel.setup, assumed_range)
+                with_ends = ranges.with_ends(result.target.setup, assumed_range)
                 if with_ends is not None:
                     result = _with_range(result, with_ends, folder)
         if folder is not None:
@@ -210,7 +213,9 @@ class _Shooting:
         from weavecell.studies import mesh_uncertainty
 
         setup = self.target.setup
+        target = self.target
         pair = None
+        chosen = ""
         try:
             with interrupts():
                 if accuracy is not None:
@@ -219,13 +224,41 @@ class _Shooting:
                     )
                 elif uncertainty:
                     shot, pair = mesh_uncertainty.run_pair(setup, self.shoot_with_window)
+                elif setup.instead is not None:
+                    shot, target, chosen = self.choose_yarns(setup)
                 else:
                     shot = self.shoot(setup)
         except KeyboardInterrupt:
             raise self._interruption() from None
         message = str(shot.failure or "")
-        result = shot_of(self.target, shot.result, message, target=self.target, pair=pair)
+        result = shot_of(target, shot.result, message, target=target, pair=pair, chosen=chosen)
         return result, shot.failure
+
+    def choose_yarns(self, setup: ImpactSetup) -> tuple[Shot, Target, str]:
+        """Fire with pinned yarns, and again with resolved ones if the checks of that shot ask for
+        them.
+
+        Returns
+        -------
+        the shot that counts, its target, and what was chosen, and why
+        """
+        from weavecell.api.run_size import RunSize
+        from weavecell.studies import choice
+
+        # what resolved yarns do not have is refused before the first shot
+        more = RunSize.estimate(choice.with_resolved(setup), self.target.shot_title, ())
+        shot = self.shoot(choice.with_pinned(setup))
+        pinned = replace(self.target, setup=choice.with_pinned(setup))
+        if shot.failure is not None:
+            return shot, pinned, ""
+        reason = choice.find_reason(setup, setup.strike_velocity, shot.result.checks)
+        if not reason:
+            return shot, pinned, choice.PINNED_ENOUGH
+        before = f"pinned yarns: {shot.result.outcome}, {shot.result.residual_velocity:.1f} m/s"
+        logging.getLogger("weavecell").info(f"{before}; {reason}; {more._seconds} at most")
+        resolved = choice.with_resolved(setup)
+        target = replace(self.target, setup=resolved)
+        return self.shoot(resolved, mesh="resolved yarns"), target, f"{reason} ({before})"
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.
@@ -368,6 +401,7 @@ class ShotResult(ImpactRecord, Result):
     target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
     read_from : folder from which it was read; None of a shot that was fired now
+    chosen : whether yarns are pinned or resolved, and why; "" where the input says it
 
     Examples
     --------
@@ -387,6 +421,7 @@ class ShotResult(ImpactRecord, Result):
     target: Target | None = None
     pair: Discretisation | None = None
     read_from: Path | None = None
+    chosen: str = ""
     _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
 
     @classmethod
@@ -569,6 +604,8 @@ class ShotResult(ImpactRecord, Result):
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
         content |= summarise(self.left_out)
+        if self.chosen:
+            content["chosen"] = self.chosen
         content |= (
             {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
         )
@@ -619,6 +656,8 @@ class ShotResult(ImpactRecord, Result):
             laws = {case.law_name: case.laws}
             sections.append(chapters.cell(case.fabric, laws, scene.fabric.cell_model))
         lines = [*self.assumed, *lines_of(self.left_out)]
+        if self.chosen:
+            lines.insert(0, self.chosen)
         if self.pack:
             lines += [self.gap_words, self.contact_words]
         sections.append(chapters_shot.assumptions(used, lines, body=self.rigid_check))
@@ -647,7 +686,8 @@ class ShotResult(ImpactRecord, Result):
         """Return title, outcome and residual velocity in one line."""
         from weavecell.report.shot import chapters_shot
 
-        return f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"
+        why = f"; {self.chosen}" if self.chosen else ""
+        return f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}{why}"
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation

@@ -75,7 +75,7 @@ REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
     "panel.crossovers": (
         '"pinned": no law here lets yarns slip',
-        lambda ply: ply.crossovers is not None,
+        lambda ply: ply.crossovers is not None or ply.instead is not None,
     ),
     "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
     "panel.strength": (

@@ -395,7 +395,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         }
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             given["ply_friction"] = data_sheet.entries()[data_sheet.FRICTION_BETWEEN_PLIES].value
-        given["crossovers"] = _build_yarn_zone(panel)
+        zone = _build_yarn_zone(panel)
+        given["crossovers"] = given["instead"] = None
+        given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)

@@ -356,9 +356,12 @@ class PanelTable(Table):
     ] = None
     crossovers: one_of(
         "whether warp and weft are pinned to each other where they cross, or are resolved yarns in a zone about "
-        "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md))",
+        "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md)); auto runs "
+        "them pinned, and resolved if the checks of that run say that the nose parts them or that they unzip (a "
+        "shot, a limit)",
         "pinned",
         "yarns",
+        "auto",
     ) = "pinned"
     zone: quantity(
         "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm divided by "
@@ -417,7 +420,7 @@ class PanelTable(Table):
             self.refuse("rate_dependence strength", "left out if yarns do not fail")
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
-        if self.crossovers == "yarns":
+        if self.crossovers != "pinned":
             self._check_resolved()
         else:
             self.refuse("zone aim_seed crossover_friction", "left out where crossovers are pinned")
