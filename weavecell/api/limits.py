@@ -204,6 +204,7 @@ def critical_velocity(
                 yield report
 
         with panel.name_problems():
+
             def search():
                 return limits.search(
                     panel.setup,
