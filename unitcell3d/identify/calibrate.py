@@ -55,7 +55,7 @@ class Job:
     friction: float = 0.0
     beyond: float = 1.0
     pressed: float | None = None
-    fibre_fraction: str = "mesh"
+    fibre_fraction: str | None = None
 
     @property
     def numerics(self) -> Numerics:
@@ -98,7 +98,7 @@ def path_jobs(
     size: Size,
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,
-    fibre_fraction: str = "mesh",
+    fibre_fraction: str | None = None,
 ) -> list[Job]:
     """List the biaxial paths of a calibration: those of `PATHS` and `BOTH`, or {name: (d1, d2)
     ratio} that are given."""
@@ -142,7 +142,7 @@ def calibrate_all(
     plates_size: Size = "coarse",
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,
-    fibre_fraction: str = "mesh",
+    fibre_fraction: str | None = None,
     folder: Callable[[str], FilePath | None] = lambda name: None,
     laws: bool = True,
     resume: bool = False,
@@ -160,7 +160,7 @@ def calibrate_all(
     friction : [-] Coulomb's coefficient between the yarns, and between yarns and plates
     paths : {name: (d1, d2) ratio}, each to fibre failure; by default warp only, weft only, equibiaxial, and both yarns
         beyond failure
-    fibre_fraction : "mesh" or "stated", which enters the law of the solid (`material.numerics.Numerics`)
+    fibre_fraction : "mesh", "stated" or None, which enters the law of the solid (`material.numerics.Numerics`)
     folder : function of a fabric's name giving the directory for its histories and laws, or None
     laws : whether the laws are written as well; not where more is to be added to them before
     resume : take finished paths from their files, unless these are of other inputs or of other code

@@ -77,7 +77,10 @@ def law_intervals(
     A LawInterval, or the UnstableError of the fitted solid's own paths, of each fit
     """
     solids = [[fit.fabric, *(end for pair in fit.limits for end in pair)] for fit in fits]
-    paths = [[path_jobs(fabric, SIZE, friction) for fabric in each] for each in solids]
+    paths = [
+        [path_jobs(fabric, SIZE, friction, fibre_fraction="mesh") for fabric in each]
+        for each in solids
+    ]
     cases = [(job,) for each in paths for own in each for job in own]
     found = iter(
         run_cache.results(

@@ -29,6 +29,7 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
+from unitcell3d.material.numerics import Numerics
 from unitcell3d.model.crossover import CrossoverModel, Load
 from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Newton
@@ -113,7 +114,8 @@ class PlatenSolver:
         with_constants: Callable[[FloatArray], Fabric],
         pressure: FloatArray,
     ) -> None:
-        self.model = CrossoverModel(crossover, fabric)
+        # the V_c that is fitted belongs to the fraction of the mesh
+        self.model = CrossoverModel(crossover, fabric, Numerics(fibre_fraction="mesh"))
         self._solver = Newton(self.model)
         self._with = with_constants
         self.pressure = np.asarray(pressure, float)

@@ -29,7 +29,7 @@ from unitcell3d.assembly.sparsity import Pattern
 from unitcell3d.contact.surfaces import Plates, SurfacePairs, facing
 from unitcell3d.material import solid_law
 from unitcell3d.material.fibres import Fibres
-from unitcell3d.material.numerics import Numerics
+from unitcell3d.material.numerics import Numerics, fraction_of
 
 # a weft brick's local axes run along i, k, j; the law wants the fibre, across, through in both
 # yarns
@@ -311,7 +311,7 @@ class CrossoverModel(YarnsModel):
 def _cell_laws(mesh, fabric, fibre_fraction):
     """(m, 6) E_a, a_E [Pa], b_E, Vf0, V_c [-], G [Pa] of each hexahedron."""
     laws = fabric.solid_laws
-    if fibre_fraction == "mesh":
+    if (fibre_fraction or fraction_of(fabric)) == "mesh":
         # the crimp may leave more or less room than was stated (YarnMesh.Vf0)
         laws = [replace(law, Vf0=Vf0) for law, Vf0 in zip(laws, mesh.Vf0)]
     parameters = np.array([(law.E_a, law.a_E, law.b_E, law.Vf0, law.V_c, law.G) for law in laws])

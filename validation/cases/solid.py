@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -272,7 +272,14 @@ def pull_out(
     }
 
 
-def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: float = 0.0) -> Values:
+def calibrated(
+    *,
+    fabric: str,
+    mesh: str,
+    fit_solid: bool = False,
+    friction: float = 0.0,
+    fibre_fraction: Literal["mesh", "stated"] | None = None,
+) -> Values:
     """Compute the compression law of a fabric from its 3D crossover (`weavecell.calibrate`), beside
     the published one.
 
@@ -283,7 +290,12 @@ def calibrated(*, fabric: str, mesh: str, fit_solid: bool = False, friction: flo
     laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)}
     """
     found = wc.calibrate(
-        fabric, mesh=mesh, fit_solid=fit_solid, friction=friction, assumed_range=False
+        fabric,
+        mesh=mesh,
+        fit_solid=fit_solid,
+        friction=friction,
+        fibre_fraction=fibre_fraction,
+        assumed_range=False,
     )
     done = found.calibration
     law = found.law

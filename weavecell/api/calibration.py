@@ -81,7 +81,7 @@ def calibrate(
     platen_curve: FilePath | None = None,
     fit_solid: bool = False,
     friction: float = 0.0,
-    fibre_fraction: Literal["mesh", "stated"] = "mesh",
+    fibre_fraction: Literal["mesh", "stated"] | None = None,
     assumed_range: bool = True,
     **options: Unpack[ResumableKeywords],
 ) -> CalibrationResult:
@@ -106,7 +106,8 @@ def calibrate(
     fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
     friction : Coulomb's coefficient between the yarns
     fibre_fraction : whose fibre fraction at rest enters the solid law, that of the mesh or the one
-        that the fabric states
+        that the fabric states; if not given the stated one where its source gives V_c too, else
+        that of the mesh
     assumed_range : whether the law is fitted at both ends of an assumed solid law too, which
         triples the cost
     **options : jobs, executor, out and resume
@@ -127,6 +128,7 @@ def calibrate(
     """
     from unitcell3d.identify import assumed_range as ends
     from unitcell3d.identify import calibrate as solver
+    from unitcell3d.material.numerics import fraction_of
 
     how = Execution.from_options("calibrate", options)
     size = meshes.size(mesh)
@@ -143,9 +145,14 @@ def calibrate(
             "mesh if the solid is fitted: its V_c then belongs to the fibre fraction of the mesh"
         )
         raise InputError(key="fibre_fraction", value=fibre_fraction, allowed=allowed)
+    if curve is not None:
+        fibre_fraction = "mesh"
+    elif fibre_fraction is None:
+        fibre_fraction = fraction_of(fabric)
     choices = {"friction": friction, **how.solver_pool}
+    inputs = (fabric, size, friction, curve, fibre_fraction)
     names = (*NAMES, *solver.names())
-    place = out_folder.hold(how.out, names, how.resume, [(fabric, size, friction, curve)])
+    place = out_folder.hold(how.out, names, how.resume, [inputs])
     with place as folder, study_run.keep_runs(folder, how.resume, SOLID_RUNS) as runs:
         # first the solid from the platens, then the law from the crossover of that solid
         if curve is not None:

@@ -1,5 +1,7 @@
 """The assembled crossover: constraints, tangent, symmetry, balance."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from equations import assert_model_tangent
@@ -8,7 +10,7 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from meshing import crossover as mesher
 from unitcell3d.assembly import constraints
-from unitcell3d.material.numerics import Numerics
+from unitcell3d.material.numerics import Numerics, fraction_of
 from unitcell3d.model import crossover as crossover_model
 from unitcell3d.model.crossover import CrossoverModel, Load
 
@@ -91,7 +93,11 @@ def test_the_fibre_fraction_of_the_law_is_the_one_that_is_chosen():
     fabric = catalogue.load("S-726")
     mesh = mesher.build(fabric, size=(2, 2, 1))
     family = np.asarray(mesh.families)[mesh.yarn]
-    for chosen, expected in (("mesh", mesh.Vf0), ("stated", (0.70, 0.62))):
+    for chosen, expected in (
+        ("mesh", mesh.Vf0),
+        ("stated", (0.70, 0.62)),
+        (None, (0.70, 0.62)),  # as published together with V_c
+    ):
         model = CrossoverModel(mesh, fabric, Numerics(fibre_fraction=chosen))
         assert crossover_model._cell_laws(mesh, fabric, chosen)[:, 3] == pytest.approx(
             np.asarray(expected)[family]
@@ -105,3 +111,31 @@ def test_the_fibre_fraction_of_the_law_is_the_one_that_is_chosen():
     assert abs(forces).max() < 0.98 * dense
     with pytest.raises(InputError, match="fibre_fraction = 'own': must be mesh or stated"):
         Numerics(fibre_fraction="own")
+
+
+def told(packed, at_rest, family="warp"):
+    """Sources of V_c and Vf0 of a family."""
+    return {f"solid.{family}.V_c": {"source": packed}, f"solid.{family}.Vf0": {"source": at_rest}}
+
+
+@pytest.mark.parametrize(
+    ("warp", "weft", "assumed", "expected"),
+    [
+        (("Table 3-2", "Table 3-2 (nominal)"), ("Table 3-2", "Table 3-2"), (), "stated"),
+        (("Table 3-2", "Table 3-2"), ("Table 3-2", "micrographs"), (), "mesh"),
+        (("packing of fibres", "Table 3-2"), ("Table 3-2", "Table 3-2"), (), "mesh"),
+        (("", ""), ("", ""), (), "mesh"),
+        (("Table 3-2", "Table 3-2"), ("Table 3-2", "Table 3-2"), ("solid",), "mesh"),
+    ],
+)
+def test_a_pair_of_one_source_belongs_together(warp, weft, assumed, expected):
+    sources = told(*warp) | told(*weft, "weft")
+    fabric = replace(catalogue.load("S-720"), sources=sources, assumed=assumed)
+    assert fraction_of(fabric) == expected
+
+
+def test_the_pairs_of_the_catalogue():
+    """Kevlar has the pair of S-720; of glass V_c alone is that of Kevlar."""
+    fractions = {name: fraction_of(catalogue.load(name)) for name in catalogue.list_names()}
+    assert fractions["S-720"] == fractions["S-731"] == "stated"
+    assert fractions["glass-balanced"] == "mesh"

@@ -33,7 +33,7 @@ def fitted(monkeypatch):
     """Fits of the solid that give that of the file a tenth softer at once, whatever the fabric."""
     monkeypatch.setattr(solid_fit, "fit_solid", a_fit)
     paths = solver.path_jobs
-    monkeypatch.setattr(chain, "path_jobs", lambda *chosen: paths(*chosen, SHORT))
+    monkeypatch.setattr(chain, "path_jobs", lambda *chosen, **more: paths(*chosen, SHORT, **more))
     monkeypatch.setattr(chain, "SIZE", (2, 2, 2))
     monkeypatch.setattr(
         chain.run_cache, "results", lambda function, runs, **_: [function(*one) for one in runs]
