@@ -257,6 +257,19 @@ def critical_velocities() -> str:
     return f"\n\n{markdown(rows)}\n"
 
 
+def compression_laws() -> str:
+    """Tabulate a and b of the 3D crossover over the published ones, by what the solid law has."""
+    heads = ("fibre fraction stated", "of the mesh", "solid fitted to its own platen curve")
+    rows = [["a, b over published", *heads]]
+    laws = {(row["fabric"], row["fibre_fraction"]): row for row in table("calibration.csv")}
+    fitted = {row["fabric"]: row for row in table("calibration-chain.csv")}
+    for fabric, own in fitted.items():
+        columns = (laws[fabric, "stated"], laws[fabric, "mesh"], own)
+        ratios = [[float(row[f"{key} / published"]) for key in "ab"] for row in columns]
+        rows.append([fabric, *("{:.2f}, {:.2f}".format(*pair) for pair in ratios)])
+    return f"\n\n{markdown(rows)}\n"
+
+
 # page -> {name of a mark: text between it and its end}
 MARKED: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {"accuracy": front_page},
@@ -267,6 +280,7 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
         "critical velocities": critical_velocities,
         "claims": claims_page.in_words,
     },
+    "docs/reports/material-tests.md": {"compression laws": compression_laws},
     "docs/reports/claims.md": {
         "how they were made": claims_page.made,
         "verdicts": claims_page.verdicts,
