@@ -62,6 +62,9 @@ class Keywords(TypedDict, total=False):
     bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
         "1e-6 N m^2"
     projectile : the table [projectile] of the input file, as a dict
+    preset : set-up of a test, whose values stand in place of keys of [panel], [backing] and [run]
+        that are not given: body armour is a pack with free edges of 200 mm before a block of clay,
+        followed until the dent rests; one of "body armour"
     opening : side of the square opening of the frame, or both sides; diameter of a round one [m]; a
         length above 0 and at most 5 m, such as "203 mm", or a list of two, along warp and weft
     opening_shape : shape of the opening; round needs clamped edges; one of "rectangular", "round"
@@ -127,6 +130,7 @@ class Keywords(TypedDict, total=False):
     crossover_gap: Quantity
     bending: Quantity
     projectile: Mapping[str, Quantity] | str | None
+    preset: Literal["body armour"]
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]
     opening_shape: Literal["rectangular", "round"]
     impact_point: tuple[Quantity, Quantity] | list[Quantity]

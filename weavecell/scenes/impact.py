@@ -32,7 +32,7 @@ from fabrics.base.schema import (
     whole,
 )
 from shellfabric.projectile.shapes import OF_METAL, SHAPES
-from weavecell.scenes import honoured, stl_file
+from weavecell.scenes import honoured, presets, stl_file
 from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
 
@@ -514,6 +514,7 @@ def check(
     ------
     InputError : one line naming the file, the key, its value and what is allowed
     """
+    table = presets.fill(table, file)
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.describe_stl(table, ProjectileTable.model_fields, file)
     table = _with_named(table, file, "backing", "material", backings)

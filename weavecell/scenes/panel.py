@@ -6,7 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
 
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
@@ -28,6 +36,7 @@ from fabrics.base.schema import (
     string,
     whole,
 )
+from weavecell.scenes import presets
 from weavecell.scenes.fabric_table import LAW, Law
 
 
@@ -260,6 +269,12 @@ class PlyTable(Table):
         return self
 
 
+def _opening_or_preset(schema):
+    """The JSON Schema of [panel] as files have it: a preset has an opening."""
+    schema["required"].remove("opening")
+    schema["anyOf"] = [{"required": ["opening"]}, {"required": ["preset"]}]
+
+
 class PanelTable(Table):
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
     `[[panel.ply]]`.
@@ -270,6 +285,13 @@ class PanelTable(Table):
     plies = 4
     """
 
+    model_config = ConfigDict(json_schema_extra=_opening_or_preset)
+
+    preset: one_of(
+        "set-up of a test, whose values stand in place of keys of [panel], [backing] and [run] that are not given: "
+        "body armour is a pack with free edges of 200 mm before a block of clay, followed until the dent rests",
+        *presets.list_names(),
+    ) = None
     opening: Annotated[
         from_text(
             float | tuple[float, float],
