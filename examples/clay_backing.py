@@ -3,8 +3,8 @@ Dent in clay behind a pack
 ==========================
 
 Four plies of S-728 on a block of Roma Plastilina No. 1, struck by the 1.10 g fragment simulator at 150 m/s. It prints
-the back-face signature, or the depth of the crater if the block still moves, and draws its section. Coarse: elements of
-3 mm in a block of 80 x 80 x 40 mm, and most data of clay are assumed (``weavecell show "Roma Plastilina No. 1"``).
+the back-face signature, or how deep the dent has been if the block still moves, and draws its section. Coarse: bricks
+of 3 mm in a block of 80 x 80 x 40 mm, and most data of clay are assumed (``weavecell show "Roma Plastilina No. 1"``).
 About 15 s.
 Run with ``python examples/clay_backing.py``.
 """
@@ -30,9 +30,10 @@ shot = wc.impact(
 print(f"{shot.outcome}, checks {shot.checks_text}")
 signature = shot.summary()["back_face_signature_mm"]
 if signature is None:
-    # a signature is read of a block at rest; the crater is still growing or springing back
-    depth = 1e3 * shot.backing.crater[:, 1].max()
-    print(f"the block still moves: its crater is {depth:.1f} mm deep")
+    # a signature is read of a block at rest; the dent is still growing or springing back
+    print(
+        f"the block still moves: its dent has been {shot.summary()['deepest_dent_mm']:.1f} mm deep"
+    )
 else:
     print(f"back-face signature {signature:.1f} mm")
 

@@ -51,6 +51,7 @@ class Part:
         the highest frequency, which bounds the time step
     flight, forces, nose, after : its units; None where it does not act
     steps_in_python : whether its phase `after` is the method `step`
+    goes_on : whether it may go on alone once the rest has left it (`has_left`); one part of a run
     meets_nose : whether it meets the projectile by itself: a run with it goes on though no held
         fabric is left ahead of the nose
     motion : (6,) of a body of the projectile, as `Stack.motion`
@@ -71,6 +72,7 @@ class Part:
     nose: Unit | None = None
     after: Unit | None = None
     steps_in_python: bool = False
+    goes_on: bool = False
     meets_nose: bool = False
     motion: FloatArray | None = None
     contacts: Mapping[str, str] = {}
@@ -92,6 +94,15 @@ class Part:
 
     def step(self, state: State) -> None:
         """Act when all have moved, if `steps_in_python`."""
+        raise NotImplementedError
+
+    def has_left(self, state: State) -> bool:
+        """Tell at a sample whether the rest of the run acts on the part no more, so that it goes on
+        alone (`go_on`) and the rest stays as it is."""
+        return False
+
+    def go_on(self, duration: float) -> float:
+        """Go on alone by about `duration` [s]; return by how much."""
         raise NotImplementedError
 
     def rows(self) -> dict[str, Row]:

@@ -386,6 +386,31 @@ class Block:
         make_steps(self._step, self.row, count, self.dt)
         self.row.time += self.dt
 
+    @property
+    def alone_step(self) -> float:
+        """[s] step of a block that nothing touches: all of what its bricks bear at rest."""
+        return CFL * self.backing.longest_step
+
+    def advance_alone(self, duration: float) -> int:
+        """Move a block that nothing touches any more in its own longer steps, by about `duration`
+        [s]; return their number.
+
+        What the springs of the contacts held is lost, and booked as damped (`energies`).
+
+        Raises
+        ------
+        UnstableError : as `advance`
+        """
+        self.dt = self.alone_step
+        self.row.nose_spring_energy = 0.0
+        self.row.point_spring_energy = 0.0
+        # the first of these steps looks at what the bricks bear, and the first of the next call too
+        self.row.steps += -int(self.row.steps) % CHECK_INTERVAL
+        count = CHECK_INTERVAL * max(1, round(duration / self.dt / CHECK_INTERVAL))
+        for _ in range(count):
+            self.advance()
+        return count
+
     def _step(self, row, dt, left):
         kick = float(row.kick)
         kernels.forces(row, kick)

@@ -10,13 +10,23 @@ x_i, with the penalty and damping of the point's own mass. They keep half of the
 from the face. Points of eroded elements do not touch, nor those of fabric in the clamp; where
 single yarns have failed the rest bears whole. The block lies along the sides of the opening,
 whatever the angle of the last ply.
+
+**The block alone.** A dent goes on after the pack has left its floor, for ten times as long. From
+there the block moves by itself, in its own longer steps, and the pack stays as it is. The pack has
+left when the projectile has turned back, nothing touches the floor, which is the face at more than
+half of the depth, and the least distance of the ply from it has grown at ten samples in a row, to a
+twentieth of the depth at least. That a free ply still touches the rim, with a twentieth of the
+largest force so far at most, is then left out; the place of the ply is kept, to which the floor must
+not come back. A ply that is held keeps down the rim, and has left only if nothing touches the face
+anywhere. Behind 15 plies the dent came to 38.7 mm so, and with the pack to 38.5 mm.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from math import prod
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from math import nan, prod
 from typing import Any
 
 import numba
@@ -25,12 +35,19 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from shellfabric.block import contact_kernels as touch
+from shellfabric.block import dent
 from shellfabric.block.block import ENERGIES, Backing, Block
+from shellfabric.block.state import HandOver
 from shellfabric.jit.table import Row
+from shellfabric.membrane.quality import Indicator, indicator
 from shellfabric.parts import Part
 from shellfabric.projectile.frames import axes, turned_back
 from shellfabric.state import ERODED
 
+FLOOR = 0.5  # share of the depth of a dent from which on its face is the floor
+APART = 10  # samples in a row at which the ply has to have moved away from the floor
+FAR = 0.05  # of the depth of the dent, that it must have moved away by
+LIGHT = 0.05  # of the largest force on the face so far, that may be left out on the rim
 NAMES = tuple(f"backing_{name}" for name in ENERGIES)  # of the energies in the audit of a run
 
 
@@ -49,6 +66,10 @@ class BackingResult:
     plastic : (m,) effective plastic strain
     gone : (m,) bool, eroded
     share : [-] part of the block that is modelled
+    time, dent : (n,) [s], [m] of the samples of the run, and the deepest point of the face at each
+    at_rest : whether the block rests at the end (`dent.at_rest`): only then has it a signature
+    alone_from : [s] at which the block went on alone, behind a pack that had left the dent's floor;
+        NaN where it did not
     """
 
     face: float
@@ -60,6 +81,10 @@ class BackingResult:
     plastic: np.ndarray
     gone: np.ndarray
     share: float = 0.25
+    time: np.ndarray = field(default_factory=lambda: np.zeros(1))
+    dent: np.ndarray = field(default_factory=lambda: np.zeros(1))
+    at_rest: bool = False
+    alone_from: float = nan
 
     @property
     def depth(self) -> float:
@@ -67,10 +92,33 @@ class BackingResult:
         return float(self.crater[:, 1].max())
 
     @property
-    def back_face_signature(self) -> float:
-        """[m] depth of the deepest point of the face, wherever it is; what is measured in clay
-        after a shot."""
-        return max(float(self.depth_map[..., 2].max()), 0.0)
+    def deepest_point(self) -> float:
+        """[m] depth of the deepest point of the face at the end, wherever it is, in motion or at
+        rest."""
+        return dent.deepest(self.depth_map)
+
+    @property
+    def back_face_signature(self) -> float | None:
+        """[m] depth of the deepest point of a block at rest, which is what is measured in clay after
+        a shot; None while it moves."""
+        return self.deepest_point if self.at_rest else None
+
+    @property
+    def deepest_dent(self) -> float:
+        """[m] deepest that the dent has been, at any sample: what is seen in clear gel."""
+        return float(self.dent.max())
+
+    @property
+    def deepest_dent_time(self) -> float:
+        """[s] of that sample."""
+        return float(self.time[np.argmax(self.dent)])
+
+    @property
+    def springback(self) -> float:
+        """[-] share of its greatest depth by which the dent has fallen at the end; 0 without one."""
+        if self.deepest_dent <= 0:
+            return 0.0
+        return 1 - self.deepest_point / self.deepest_dent
 
     @property
     def volume(self) -> float:
@@ -89,19 +137,40 @@ class BackingResult:
         return 0.5 * (radius_at(self.crater, 0.5) + radius_at(self.crater_weft, 0.5))
 
 
-def result_of(block: Block) -> BackingResult:
-    """Return the result of a block as it is."""
-    return BackingResult(
+def result_of(
+    block: Block,
+    time: FloatArray | None = None,
+    depth: FloatArray | None = None,
+    alone_from: float = nan,
+) -> BackingResult:
+    """Return the result of a block as it is.
+
+    Parameters
+    ----------
+    time, depth : (n,) [s], [m] when its deepest point was looked at, and where that was; None
+        where nobody has looked: whether such a block rests is not known
+    alone_from : of BackingResult
+    """
+    face = block.depth_map()
+    if time is None or depth is None:
+        time, depth = np.array([block.time]), np.array([dent.deepest(face)])
+    found = BackingResult(
         block.backing.standoff,
         block.crater(0),
         block.crater(1),
-        block.depth_map(),
+        face,
         block.x.copy(),
         block.bricks,
         block.alpha.copy(),
         block.gone.copy(),
         0.5 ** sum(block.backing.mirrors),
+        time,
+        depth,
+        alone_from=alone_from,
     )
+    window = found.half_width / block.backing.material.shear_speed
+    motion = dent.motion_about(block, found.half_width)
+    return replace(found, at_rest=dent.at_rest(motion, time, depth, window))
 
 
 def radius_at(crater: FloatArray, share: float) -> float:
@@ -178,6 +247,7 @@ class BackingCoupling(Part):
     of_ply = False
     ply = -1
     steps_in_python = True
+    goes_on = True
     meets_nose = True
     contacts: Mapping[str, str] = {"backing_damped": "the contact with the block"}
 
@@ -203,6 +273,8 @@ class BackingCoupling(Part):
         self._stiffness = backing.ply_penalty * point / const.dt**2
         self._damping = 2 * backing.contact_damping * backing.ply_penalty**0.5 * point / const.dt
         self._loose = np.ones(point.size)
+        self._free = all(side == "free" for pair in panel.supports for side in pair)
+        self.hand_over = HandOver(**HandOver.totals())
         flat = np.zeros((const.ni + 1, const.nj + 1))
         self._rest = np.array([*panel.coordinates(), flat]).reshape(3, -1)
         self._none = np.zeros_like(self._rest)
@@ -226,13 +298,51 @@ class BackingCoupling(Part):
     def step(self, state: Any) -> None:
         """Move the block by one step under its contacts with fabric and projectile; store the
         contact forces [N] in state.f_block_cloth and state.f_block_nose."""
+        with self._own_threads():
+            self._step(state)
+
+    @contextmanager
+    def _own_threads(self):
+        """The kernels of the block use as many threads as the panel has, in this thread of
+        Python."""
         others = numba.get_num_threads()
-        # of this thread of Python, for the block's kernels
         numba.set_num_threads(min(self.threads or others, others))
         try:
-            self._step(state)
+            yield
         finally:
             numba.set_num_threads(others)
+
+    def has_left(self, state: Any) -> bool:
+        """Tell whether the pack has left the floor of the dent for good, see Part; looks at a sample
+        whether it is further away than at the last."""
+        points = self.block.points
+        floor = self._on_floor()
+        gap = float((-points.inside[floor]).min(initial=np.inf))
+        depth = dent.deepest(self.block.depth_map())
+        touched = points.force[floor | ~self._free].any() or self.block.row.nose_force.any()
+        hand_over = self.hand_over
+        if gap > hand_over.gap and not touched:
+            hand_over.growing += 1
+        else:
+            hand_over.growing = 0
+        hand_over.gap = gap
+        light = hand_over.rim_force <= LIGHT * hand_over.peak_force
+        if hand_over.growing < APART or not gap > FAR * depth or not light:
+            return False
+        below = points.x[floor, 2] + self.thickness - self.block.backing.standoff
+        hand_over.deepest_ply = float(below.max(initial=0.0))
+        return True
+
+    def _on_floor(self):
+        """(s,) bool, whether each point is over the floor of the dent."""
+        depth = self.block.depth_map()[..., 2]
+        of_facet = 0.25 * (depth[1:, 1:] + depth[:-1, 1:] + depth[1:, :-1] + depth[:-1, :-1])
+        return (of_facet >= FLOOR * depth.max())[tuple(self.block.points.columns.T)]
+
+    def go_on(self, duration: float) -> float:
+        """Move the block alone, see Part."""
+        with self._own_threads():
+            return self.block.advance_alone(duration) * self.block.alone_step
 
     def _step(self, state):
         const = self.const
@@ -282,7 +392,21 @@ class BackingCoupling(Part):
     def rows(self) -> dict[str, Row]:
         """Return the rows of block and points, see Part."""
         assert self.block.points is not None  # they are made in the first step
-        return {"row": self.block.row, "points": self.block.points}
+        return {"row": self.block.row, "points": self.block.points, "hand over": self.hand_over}
+
+    def samples(self) -> dict[str, float]:
+        """Return the depth [m] of the deepest point of the face, the motion [m] beside held faces,
+        and how far [m] a node is across a plane of symmetry, see Part; keeps the force on the
+        face."""
+        hand_over = self.hand_over
+        if self.block.points is not None:
+            hand_over.rim_force = float(np.abs(self.block.points.force[:, 2]).sum())
+        hand_over.peak_force = max(float(hand_over.peak_force), float(hand_over.rim_force))
+        return {
+            "dent": dent.deepest(self.block.depth_map()),
+            "held_motion": dent.held_motion(self.block),
+            "crossing": dent.crossing(self.block),
+        }
 
     def identity(self) -> tuple[Any, ...]:
         """Return what determines the block, see Part."""
@@ -292,9 +416,39 @@ class BackingCoupling(Part):
         """Return {name: [J]} of NAMES, of the modelled part."""
         return dict(zip(NAMES, self.block.energies().values()))
 
-    def result(self, clock: FloatArray, steps: FloatArray) -> dict[str, Any]:
-        """Return the block as it is, see Part."""
-        return {"backing": result_of(self.block)}
+
+def indicators(solver: Any) -> tuple[Indicator, ...]:
+    """Return the quality indicators of the dent behind a pack of a `loop.pack_solver.PackSolver`;
+    () without a block.
+
+    What a dent comes to at rest is looked at where the run goes on after the stop; its shape where
+    it is deeper than a tenth of a brick.
+    """
+    part = solver.part("block")
+    if part is None:
+        return ()
+    block = part.block
+    time, depth = solver.sample("t"), solver.sample("dent")
+    found = result_of(block, time, depth, solver.alone_from)
+    brick = block.backing.min_size
+    deepest = max(found.deepest_dent, 0.1 * brick)
+    values = {
+        "motion at held faces": solver.sample("held_motion").max() / deepest,
+        "face under held fabric": dent.covered(solver.plies[-1][0]),
+        "face across symmetry": solver.sample("crossing").max() / brick,
+    }
+    if found.deepest_dent > 0.1 * brick:
+        values["spike of the dent"] = dent.spike(found.depth_map, block.backing.mirrors)
+        values["brick on the dent's floor"] = dent.floor_brick(found.depth_map, found.half_width)
+    if solver.stack.after_stop > 0 and solver.stack.stop_step > 0:
+        window = found.half_width / block.backing.material.shear_speed
+        changed = dent.change(time, depth, window)
+        values["change of the dent"] = changed if np.isfinite(changed) else 1.0
+        values["springback of the dent"] = found.springback
+    if solver.fabric_ended:
+        least = depth[time >= solver.alone_from].min()
+        values["dent back at the pack"] = part.hand_over.deepest_ply / max(least, 0.1 * brick)
+    return tuple(indicator(name, value) for name, value in values.items())
 
 
 def bricks_of(panel: Any) -> int:

@@ -83,3 +83,13 @@ class BlockPoints(Row):
     force = array("points, 3", "N", "elastic force on each")
     drag = array("points, 3", "N", "damping force on each")
     force_before = array("points, 3", "N", "force on each a step ago", kept=True)
+
+
+class HandOver(Row):
+    """Whether the last ply has left the floor of the dent, and what it was like when it had."""
+
+    gap = total("m", "least distance of the ply from the floor at the last sample", kept=True)
+    growing = tally("-", "samples in a row at which that had grown and nothing touched", kept=True)
+    deepest_ply = total("m", "depth of the ply's deepest point there at the hand-over", kept=True)
+    rim_force = total("N", "of the ply on the face at the last sample", kept=True)
+    peak_force = total("N", "the largest of it so far", kept=True)

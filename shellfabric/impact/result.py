@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from shellfabric.block.coupling import BackingResult
+from shellfabric.block.coupling import BackingResult, result_of
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop import histories
 from shellfabric.loop import snapshots as output_snapshots
@@ -197,7 +197,7 @@ def collect_result(
         step_history=np.column_stack([clock, fine[:, :2], fine[:, 2] / solver.share]),
         bar=of_parts.get("bar"),
         metal=of_parts.get("metal"),
-        backing=of_parts.get("backing"),
+        backing=_block_of(solver),
         projectile_position=last[0].projectile_position.copy(),
         last=last,
         snapshots=tuple(solver.snapshots),
@@ -212,3 +212,11 @@ def collect_result(
         ),
         step_factor=step_factor,
     )
+
+
+def _block_of(solver):
+    """The result of the block behind the last ply, or None."""
+    part = solver.part("block")
+    if part is None:
+        return None
+    return result_of(part.block, solver.sample("t"), solver.sample("dent"), solver.alone_from)

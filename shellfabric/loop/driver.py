@@ -192,6 +192,12 @@ class ExplicitSolver:
         """Return {name: list of equal rows} of what has been recorded."""
         return {"samples": self.samples}
 
+    @property
+    def fabric_ended(self) -> bool:
+        """Whether the fabric stays as it is while the run goes on: nothing more is recorded of
+        it."""
+        return False
+
     # the driver
 
     @property

@@ -163,7 +163,7 @@ class Recorder(Every):
         self.what = [(rows(plies[p], measure), edge_nodes(plies[p])) for p in self.chosen]
 
     def __call__(self, solver: Any) -> None:
-        if self.due(solver):
+        if self.due(solver) and not solver.fabric_ended:
             parts = [
                 _record(*solver.plies[p], yarns, sides, solver.neighbour_forces(p))  # type: ignore[call-arg]
                 for p, (yarns, sides) in zip(self.chosen, self.what)

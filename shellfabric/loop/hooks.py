@@ -51,5 +51,5 @@ class Snapshots(Every):
         self.take = take or of_plies
 
     def __call__(self, solver: ExplicitSolver) -> None:
-        if self.due(solver):
+        if self.due(solver) and not solver.fabric_ended:
             solver.snapshots.append(self.take(solver))

@@ -49,6 +49,7 @@ CONTACTS = {
 }
 # what makes the parts of a run besides those of its plies: (pack, constants, velocity) -> parts
 OF_A_RUN = dynamics.make_bodies, metal.make_bodies, coupling.make_blocks
+ALONE_INTERVAL = 2e-5  # [s] between samples, about, while a part goes on alone
 PLY_SAMPLES = (
     "cut_yarns",
     "reaction_warp",
@@ -95,6 +96,9 @@ class PackSolver(ExplicitSolver):
     monitor : quality.Monitor, what the quality indicators need besides the result
     perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the
         run
+    alone_from : [s] from which on a part goes on alone, and plies and projectile stay as they are;
+        NaN where none does
+    alone_for : [s] for which it has
 
     Raises
     ------
@@ -102,7 +106,7 @@ class PackSolver(ExplicitSolver):
         memory holds
     """
 
-    counters = (*ExplicitSolver.counters, "perforated_samples")
+    counters = (*ExplicitSolver.counters, "perforated_samples", "alone_from", "alone_for")
     module = "shellfabric.impact.run"  # whose code determines a run
 
     def __init__(
@@ -201,6 +205,8 @@ class PackSolver(ExplicitSolver):
         self.history_request = None
         self.histories = []
         self.perforated_samples = 0
+        self.alone_from = np.nan
+        self.alone_for = 0.0
         # the forces at rest
         self._run_thread(self._rows(0), np.zeros(barrier.SLOTS, np.int64), 0, 1, np.inf)
         for parts, state, const in zip(self.parts, self.states, self.consts):
@@ -232,6 +238,7 @@ class PackSolver(ExplicitSolver):
         """Those of the parts; of pinned yarns that have stopped the projectile, the friction that
         yarns which may slip would need to stop it."""
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
+        found += coupling.indicators(self)
         if self.reason == STOPPED and not self.replaces_membrane:
             needed = yarns.friction_of_plies(self.pack.plies, self.strike_velocity)
             if needed is not None:
@@ -247,6 +254,41 @@ class PackSolver(ExplicitSolver):
     def steps(self) -> int:
         """Steps made."""
         return int(self.stack.steps)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return super().time + self.alone_for
+
+    @property
+    def fabric_ended(self) -> bool:
+        """Whether plies and projectile stay as they are, and a part goes on alone."""
+        return bool(np.isfinite(self.alone_from))
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run is over."""
+        return super().ended or self.time >= self.end_time
+
+    def _advance_to_sample(self):
+        if not self.fabric_ended:
+            super()._advance_to_sample()
+            return
+        if not self._shared[barrier.STOP]:
+            self.advance(self._rows(0))  # lets the workers go, who would wait to the end
+        part, _ = self._alone
+        with self._clock():
+            self.alone_for += part.go_on(ALONE_INTERVAL)
+        self.step_history.append(self._rows(0))
+
+    def _part_has_left(self):
+        """Whether a part goes on alone from this sample."""
+        return any(part.has_left(state) for part, state in self._all_parts())
+
+    @property
+    def _alone(self):
+        """(part, state) of the part that goes on alone: the one that bears it."""
+        return next(pair for pair in self._all_parts() if pair[0].goes_on)
 
     def run_worker(self, shared: IntArray, me: int) -> None:
         """Run the share of a thread, see ExplicitSolver."""
@@ -315,6 +357,8 @@ class PackSolver(ExplicitSolver):
 
     def observe(self) -> tuple[dict[str, float], dict[str, float]]:
         """Return what a sample has, see ExplicitSolver."""
+        if self.fabric_ended:
+            return self._observe_alone()
         plies = [
             ply_audit.energies(const, self._loaded_state(ply), self._rest[ply])
             for ply, const in enumerate(self.consts)
@@ -343,6 +387,16 @@ class PackSolver(ExplicitSolver):
         }
         observed |= dict(zip(PLY_SAMPLES[:3], own[:, :3].sum(axis=0)))
         return observed | samples, energies
+
+    def _observe_alone(self):
+        """What a sample has while a part goes on alone: the rest as at the last sample."""
+        last = dict(zip(self.sample_names, self.samples[-1]))
+        energies = {name: last[name] * self.share for name in self.energy_names[:-1]}
+        observed = {name: last[name] for name in self.sample_names[1:] if name not in energies}
+        del observed["error"]
+        part, _ = self._alone
+        self.ply_samples.append(self.ply_samples[-1].copy())
+        return observed | part.samples(), energies | part.energies()
 
     def _of_first(self, ply, vector):
         """A vector (3,) of the frame of a ply in that of the first."""
@@ -434,15 +488,19 @@ class PackSolver(ExplicitSolver):
 
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
-        self.monitor.sampled(self)
-        self._count_past()
+        if not self.fabric_ended:
+            self.monitor.sampled(self)
+            self._count_past()
         self.contact.lists.remake = 1
         turned = int(self.stack.stop_step)
         if turned and (
             self.time - turned * self.const.dt >= self.stack.after_stop
             or self.steps >= self.last_step
+            or self.time >= self.end_time
         ):
             self.reason = STOPPED
+        elif turned and not self.fabric_ended and self._part_has_left():
+            self.alone_from = self.time
         failed = any(state.failures for state in self.states)
         meets_parts = any(part.meets_nose for part, _ in self._all_parts())
         if self.reason != RUNNING or not failed or meets_parts:

@@ -224,6 +224,43 @@ LIMITS = {
         "least friction between yarns with which a ply stops this projectile; with less, it pushes them aside and "
         'passes, which crossovers = "yarns" computes',
     ),
+    "motion at held faces": (
+        0.06,
+        "largest motion of a block a brick away from its held faces over the deepest dent: too small a "
+        "block holds the clay that a dent drives out",
+    ),
+    "face under held fabric": (
+        0.5,
+        "share of the block's face under fabric that is held on all sides and keeps down the rim: the "
+        "dent closes again",
+    ),
+    "face across symmetry": (
+        0.05,
+        "furthest that a node of the block has come across a plane of symmetry, over the smallest brick",
+    ),
+    "spike of the dent": (
+        0.5,
+        "how far the deepest node of the face stands below its deepest neighbour over its depth: a "
+        "single node is no dent",
+    ),
+    "brick on the dent's floor": (
+        1.0,
+        "longest brick on the floor of the dent over the dent's radius, both as they are",
+    ),
+    "change of the dent": (
+        0.05,
+        "change of the dent in the time in which a shear wave crosses its radius, at the end of the "
+        "run, over its greatest depth",
+    ),
+    "springback of the dent": (
+        0.5,
+        "share of its greatest depth by which the dent has fallen at the end; what is left of a dent in clay stays",
+    ),
+    "dent back at the pack": (
+        1.0,
+        "depth of the pack that the block has left behind over the least depth of the dent since: "
+        "above 1 they meet again",
+    ),
 }
 # name: value above which the indicator is noted
 NOTES = {
@@ -234,12 +271,24 @@ NOTES = {
     "shear beyond locking": 1.0,
     "misfit of the law": 0.05,
     "friction to hold yarns": 0.15,
+    "motion at held faces": 0.03,
+    "brick on the dent's floor": 0.5,
+    "change of the dent": 0.02,
+    "springback of the dent": 0.1,
 }
 
 
 REMEDIES = {
     "misfit of the law": "see whether the yarns are at closest packing (mesh), or take a response surface",
     "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
+    "motion at held faces": "widen and deepen backing.size",
+    "face under held fabric": 'widen backing.size, or take boundary = "free"',
+    "face across symmetry": 'compare with symmetry = "whole"',
+    "spike of the dent": "smaller backing.min_size",
+    "brick on the dent's floor": "smaller backing.min_size",
+    "change of the dent": "longer backing.after_stop and run.end_time",
+    "springback of the dent": "see whether the block is too small, and whether its modulus is known",
+    "dent back at the pack": "the dent at rest leaves out that they meet",
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
     "friction to hold yarns": 'compare with crossovers = "yarns"',
     "unzipping": 'compare with crossovers = "yarns"',

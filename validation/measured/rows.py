@@ -145,7 +145,7 @@ OF_SHOTS: dict[str, Callable[[Any], Any]] = {
 }
 OF_BLOCKS: dict[str, Callable[[Strike], float]] = {
     "depth": lambda found: 1e3 * float(found.z.max()),
-    "dent": lambda found: 1e3 * found.block.back_face_signature,
+    "dent": lambda found: 1e3 * found.block.deepest_point,
 }
 OF_FABRICS: dict[str, Callable[[Fabric], float]] = {
     "areal_density": lambda fabric: 1e3 * fabric.weave.areal_density,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellfabric.block import dent
 from shellfabric.block.coupling import BackingResult, result_of
 from shellfabric.projectile.projectile import Projectile
 
@@ -58,6 +59,7 @@ def strike(
     position = np.array([0.0, 0.0, backing.standoff])
     speed = np.array([0.0, 0.0, float(velocity)])
     rows = []
+    depths = []
     energies = []
     last = np.inf
     for n in range(int(np.ceil(end_time / dt))):
@@ -78,12 +80,12 @@ def strike(
             own["projectile"] = 0.5 * quarter * mean**2
             own["error"] = sum(own.values()) - 0.5 * quarter * velocity**2
             rows.append((n * dt, mean, position[2] - backing.standoff))
+            depths.append(dent.deepest(block.depth_map()))
             energies.append(4 * np.array(list(own.values())))
         position[2] += dt * speed[2]
         if stop:
             break
     t, v, z = np.array(rows).T
     named = {name: np.array(energies)[:, k] for k, name in enumerate(own)}
-    return Strike(
-        t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)), result_of(block)
-    )
+    made = result_of(block, t, np.array(depths))
+    return Strike(t, v, z, named, block.crater(), int(np.count_nonzero(block.gone)), made)

@@ -39,9 +39,7 @@ if TYPE_CHECKING:
 
 
 # name and version of the files
-FORMAT = "weavecell impact 9"
-# share of the energy that a block has taken up: motion with less can no longer change the dent
-AT_REST = 0.01
+FORMAT = "weavecell impact 10"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,9 +216,9 @@ class ImpactRecord(ImpactData):
 
     @property
     def block_moves(self) -> bool:
-        """Whether a block moves so much at the end that it has no dent yet."""
-        taken = {name: held[-1] for name, held in self.energies.items() if "backing_" in name}
-        return self.backing is not None and taken["backing_kinetic"] > AT_REST * sum(taken.values())
+        """Whether a block has no dent yet at the end: it moves, or its dent still changes
+        (`shellfabric.block.dent.at_rest`)."""
+        return self.backing is not None and not self.backing.at_rest
 
     @property
     def dent(self) -> dict[str, float | None]:
@@ -233,11 +231,24 @@ class ImpactRecord(ImpactData):
 
     @property
     def back_face_signature_mm(self) -> float | None:
-        """[mm] depth of the deepest point of the block's face; None while it moves."""
+        """[mm] depth of the deepest point of the block's face at rest; None while it moves."""
         assert self.backing is not None
-        if self.block_moves:
+        if self.backing.back_face_signature is None:
             return None
         return 1e3 * self.backing.back_face_signature
+
+    @property
+    def deepest_dent_mm(self) -> float:
+        """[mm] deepest that the dent has been, which is no signature."""
+        assert self.backing is not None
+        return 1e3 * self.backing.deepest_dent
+
+    @property
+    def springback(self) -> float | None:
+        """[-] share of its greatest depth by which the dent has fallen at rest; None while it
+        moves."""
+        assert self.backing is not None
+        return None if self.block_moves else self.backing.springback
 
     @property
     def rear(self) -> tuple[Shape, Shape]:

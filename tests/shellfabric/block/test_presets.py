@@ -131,7 +131,7 @@ def test_volume_of_a_dent():
     ).block(1e-7)
     whole = replace(result_of(block), depth_map=face)
     assert whole.volume == pytest.approx(0.5 * np.pi * 0.02**2 * 0.01, rel=2e-3)
-    assert whole.back_face_signature == pytest.approx(0.01)
+    assert whole.deepest_point == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_the_face_goes_on_below_the_bricks_that_are_gone(mirrors, deep):
     assert along[deep, 1] == pytest.approx(2e-3)
     assert np.count_nonzero(abs(along[:, 1]) > 1e-12) == len(deep)
     assert across[0, 1] == pytest.approx(along[0, 1])
-    assert result_of(block).back_face_signature == pytest.approx(2e-3)
+    assert result_of(block).deepest_point == pytest.approx(2e-3)
 
 
 def test_gelatine_has_the_moduli_that_its_sources_state():

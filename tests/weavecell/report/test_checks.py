@@ -61,16 +61,24 @@ def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves(
         "assumed: yield_stress 0.41 MPa, hardening 0.0019 MPa, rate_exponent 0, reference_rate"
     )
     assert told.endswith(", of the block of gelatine 20 %")
-    for kinetic, said in (
-        (1.0, "back-face signature 9 mm"),
-        (2.0, "no back-face signature yet: the block moves with"),
+    for at_rest, said in (
+        (True, "back-face signature 9 mm (dent in the block at rest; deepest 12 mm at 640 µs)"),
+        (False, "no back-face signature yet: the block moves with 0.33 % of the strike energy or"),
     ):
-        energies = {"backing_kinetic": [kinetic], "backing_plastic": [120.0]}
-        block = SimpleNamespace(back_face_signature=9e-3)
+        block = SimpleNamespace(
+            at_rest=at_rest,
+            back_face_signature=9e-3 if at_rest else None,
+            deepest_dent=12e-3,
+            deepest_dent_time=640e-6,
+        )
+        energies = {"backing_kinetic": [1.0]}
         shot = SimpleNamespace(backing=block, strike_energy=300.0, energies=energies)
-        for name in ("block_motion", "block_moves", "back_face_signature_mm"):
+        for name in ("block_motion", "block_moves", "back_face_signature_mm", "deepest_dent_mm"):
             setattr(shot, name, getattr(ImpactRecord, name).fget(shot))
-        assert chapters_shot.dent(shot).startswith(said)
+        told = chapters_shot.dent(shot)
+        assert told.startswith(said)
+        assert ("signature 12" in told) is False
+        assert "12 mm at 640 µs" in told
 
 
 def test_a_viscous_share_is_noted_from_10_and_doubtful_from_15_per_cent():

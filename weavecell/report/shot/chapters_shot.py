@@ -526,12 +526,17 @@ def _block(record):
 
 
 def dent(record: ImpactRecord) -> str:
-    """Write the back-face signature; of a block that still moves at the end, that there is none
-    yet."""
-    if record.block_moves:
-        moves = text(record.block_motion, "%", ".2g")
-        return f"no back-face signature yet: the block moves with {moves} of the strike energy"
-    return f"back-face signature {record.back_face_signature_mm:.3g} mm (dent in the block)"
+    """Write the back-face signature, with the deepest that the dent has been; of a block that still
+    moves at the end, that it has no signature yet, and why."""
+    deepest = f"{record.deepest_dent_mm:.3g} mm at {text(record.backing.deepest_dent_time, 's')}"
+    if not record.block_moves:
+        signature = f"back-face signature {record.back_face_signature_mm:.3g} mm"
+        return f"{signature} (dent in the block at rest; deepest {deepest})"
+    moves = text(record.block_motion, "%", ".2g")
+    return (
+        f"no back-face signature yet: the block moves with {moves} of the strike energy or its dent "
+        f"still changes (deepest so far {deepest}); backing.after_stop lets it come to rest"
+    )
 
 
 def _front_row(wave, recorded):

@@ -1,0 +1,267 @@
+"""The dent behind a pack: how deep it has been, whether it rests, and the block that goes on alone."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from fabrics import backings
+from shellfabric.block import coupling, dent
+from shellfabric.block.block import Backing
+from shellfabric.impact.result import collect_result
+from shellfabric.impact.run import run_impact
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.loop import checkpoint
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane import quality
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.projectile.projectile import Projectile
+
+CLAY = backings.load("Roma Plastilina No. 1")
+BLOCK = Backing(CLAY, (0.06, 0.06, 0.03), 2.5e-3, 7.5e-3, 1.5, after_stop=0.105e-3)
+LEFT = {  # a free ply throws a light nose back, and leaves the clay
+    "projectile": Projectile(mass=0.1e-3, radius=3e-3),
+    "opening": 0.03,
+    "boundary": "free",
+    "table_size": 61,
+    "end_time": 1e-3,
+    "elements_per_crossover": 1,
+    "backing": BLOCK,
+}
+
+
+def test_a_dent_rests_where_neither_motion_nor_change_is_left():
+    """It springs back as a cosine: at its deepest it is without motion, and does not rest."""
+    time = np.linspace(0, 4e-3, 401)
+    depth = 0.03 + 0.004 * np.cos(np.pi * np.clip(time / 1e-3 - 1, 0, 1))
+    depth[time < 1e-3] *= time[time < 1e-3] / 1e-3
+    window = 0.405e-3  # between samples, which are 10 us apart
+    for end, at_rest, change in (
+        (1.0e-3, False, 0.4),
+        (1.5e-3, False, 0.004 * (np.cos(0.1 * np.pi) - np.cos(0.5 * np.pi)) / 0.034),
+        (1.9e-3, False, 0.004 * (np.cos(0.5 * np.pi) - np.cos(0.9 * np.pi)) / 0.034),
+        (3.0e-3, True, 0.0),
+    ):
+        known = time <= end + 1e-9
+        found = dent.change(time[known], depth[known], window)
+        assert found == pytest.approx(change, abs=1e-9)
+        assert dent.at_rest(0.009, time[known], depth[known], window) is at_rest
+    assert not dent.at_rest(0.011, time, depth, window)
+    # nobody has looked for that long
+    assert not dent.at_rest(0.009, time[-20:], depth[-20:], window)
+    assert np.isnan(dent.change(time[-20:], depth[-20:], window))
+
+
+def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, monkeypatch):
+    """The dent is that of the run with the pack to the end, no energy is lost between the two, pack and projectile
+    stay as they are; a run resumed before and after the hand-over is the same to the bit, with any threads."""
+    setup = ImpactSetup(fabric, 60.0, **LEFT)
+    kept = {}
+
+    def keep(solver):
+        for name, due in (
+            ("before", solver.time > 30e-6),
+            ("after", solver.fabric_ended and solver.time > solver.alone_from + 30e-6),
+        ):
+            if due and name not in kept:
+                kept[name] = tmp_path / f"{name}.h5"
+                checkpoint.write(solver, kept[name])
+
+    alone = run_impact(setup, hooks=(keep,))
+    block = alone.backing
+    assert alone.outcome == "stopped"
+    assert 30e-6 < block.alone_from < 0.6 * alone.time[-1]
+    assert alone.time[-1] > alone.time[np.argmax(alone.velocity <= 0)] + BLOCK.after_stop
+    ended = alone.time >= block.alone_from
+    assert np.count_nonzero(ended) > 3
+    for name in ("kinetic_fabric", "yarn_strain", "contact", "kinetic_projectile"):
+        of_end = alone.energies[name][ended]
+        assert abs(of_end).min() > 0
+        assert_array_equal(of_end, of_end[0])
+    # the step history ends with the pack
+    assert alone.step_history[-1, 0] == pytest.approx(block.alone_from)
+    assert alone.energies["backing_contact"][-1] == 0.0
+    # what the block holds and loses stays the same, through the hand-over and in its longer steps
+    of_block = sum(values for name, values in alone.energies.items() if "backing_" in name)
+    assert of_block[ended][0] > 0.4 * alone.strike_energy
+    assert abs(of_block[ended] - of_block[ended][0]).max() < 3e-4 * alone.strike_energy
+
+    for path in kept.values():
+        solver = PackSolver(setup.target(), 60.0, setup.end_time)
+        checkpoint.read(solver, path)
+        resumed = collect_result(setup, solver.run())
+        assert_array_equal(resumed.backing.nodes, block.nodes)
+        assert_array_equal(resumed.backing.dent, block.dent)
+        assert_array_equal(resumed.time, alone.time)
+    shared = run_impact(replace(setup, numerics=Numerics(threads=2)))
+    assert_array_equal(shared.backing.nodes, block.nodes)
+    for name, energy in alone.energies.items():
+        assert_array_equal(shared.energies[name], energy, err_msg=name)
+
+    monkeypatch.setattr(coupling, "APART", 10**9)
+    together = run_impact(replace(setup, end_time=0.108e-3))
+    assert np.isnan(together.backing.alone_from)
+    assert together.steps > 2 * alone.steps
+    # 60 us after the hand-over, in which the dent has grown by 80 %
+    both = together.backing
+    at = block.alone_from + 60e-6
+    assert both.time[-1] > at < block.time[-1]
+    depths = [np.interp(at, one.time, one.dent) for one in (block, both)]
+    assert depths[0] == pytest.approx(depths[1], rel=5e-3)
+    assert depths[0] > 1.7 * np.interp(block.alone_from, block.time, block.dent)
+
+
+def test_a_pack_that_is_held_keeps_down_the_rim(fabric):
+    """Its floor is as bare as that of a free one, but the block does not go on alone."""
+    held = run_impact(
+        ImpactSetup(fabric, 60.0, **LEFT | {"boundary": "clamped", "end_time": 75e-6})
+    )
+    assert held.time[-1] > 70e-6
+    assert np.isnan(held.backing.alone_from)
+    assert held.backing.back_face_signature is None  # 70 us are no rest
+    assert held.backing.deepest_dent >= held.backing.deepest_point > 1e-3
+    assert held.backing.dent.size == held.time.size
+
+
+def test_motion_far_from_a_dent_does_not_change_it():
+    """Each node of a block at 1 m/s, in a tenth of its energy: what is about a dent of 5 mm counts, and no more."""
+    block = replace(BLOCK, size=(0.08, 0.08, 0.04)).block(1e-7)
+    assert dent.motion_about(block, 5e-3) == 0.0
+    block.v[:, 2] = 1.0
+    block.row.plastic_work[0] = 0.5
+    block.row.kinetic_energy[0] = 0.5 * block.mass.sum()
+    taken = 0.5 + 0.5 * block.mass.sum()
+    x, y, z = block.rest.T
+    near = (x**2 + y**2 <= 0.01**2) & (z <= 0.01)
+    assert 8 < np.count_nonzero(near) < 0.1 * len(near)
+    found = dent.motion_about(block, 5e-3)
+    assert found == pytest.approx(0.5 * block.mass[near].sum() / taken, rel=1e-9)
+    assert found < 0.02 < dent.motion_about(block, 40e-3)
+
+
+def block_with(shape, backing=BLOCK, **changes):
+    """A block whose nodes stand deeper by shape(x, y) [m] times what is left of the depth below them."""
+    block = replace(backing, **changes).block(1e-7)
+    x, y, z = block.rest.T
+    block.x[:, 2] += shape(x, y) * (1 - z / block.backing.size[2])
+    return block
+
+
+def bowl(x, y):
+    """A dent of 10 mm, half as deep at 12 mm."""
+    return 0.01 * 0.5 ** ((x**2 + y**2) / 0.012**2)
+
+
+@pytest.mark.parametrize("mirrors", [(True, True), (False, False), (True, False)])
+def test_a_dent_of_a_single_node_is_a_spike(mirrors):
+    """Bricks of 2.5 mm in a bowl of 12 mm; of 10 mm there; and a node that goes down alone."""
+    fine = block_with(bowl, mirrors=mirrors)
+    coarse = block_with(bowl, mirrors=mirrors, min_size=1e-2, refined_depth=3e-2)
+    alone = block_with(lambda x, y: bowl(x, y) + 0.03 * (np.hypot(x, y) < 1e-6), mirrors=mirrors)
+    found = [dent.spike(block.depth_map(), mirrors) for block in (fine, coarse, alone)]
+    assert found[0] == pytest.approx(1 - 0.5 ** (2.5**2 / 12**2))
+    assert found[1] == pytest.approx(1 - 0.5 ** (10**2 / 12**2))
+    assert found[2] == pytest.approx(1 - 0.25 * 0.5 ** (2.5**2 / 12**2))
+    assert [quality.indicator("spike of the dent", one).ok for one in found] == [True, True, False]
+    assert dent.spike(block_with(lambda x, y: 0 * x - 1e-3).depth_map(), mirrors) == 0.0
+
+
+def test_the_brick_on_the_floor_is_measured_as_it_is():
+    """Bricks on the floor drawn out to twice their length: noted beyond half of the radius, doubtful beyond all."""
+    block = block_with(bowl)
+    face = block.depth_map()
+    face[..., :2] *= 2.0
+    for radius, status in ((12e-3, "ok"), (8e-3, "noted"), (4e-3, "doubtful")):
+        found = dent.floor_brick(face, radius)
+        assert found == pytest.approx(5e-3 / radius)
+        assert quality.indicator("brick on the dent's floor", found).status == status
+
+
+def test_a_node_across_a_plane_of_symmetry_and_motion_beside_held_faces_are_found():
+    block = block_with(lambda x, y: 0 * x)
+    assert dent.crossing(block) == dent.held_motion(block) == 0.0
+    block.x[block.nodes[1, 3, 0], 0] = -4.5e-3
+    block.x[block.nodes[2, 1, 1], 1] = -1.5e-3
+    assert dent.crossing(block) == pytest.approx(4.5e-3)
+    block.backing = replace(block.backing, mirrors=(False, True))
+    assert dent.crossing(block) == pytest.approx(1.5e-3)
+    assert dent.held_motion(block) == pytest.approx(7e-3)  # its first sheet is held as well
+    block = BLOCK.block(1e-7)
+    # a brick from the far face, from its bottom, and in the middle
+    for place, counts in (((-2, 3, 0), 2e-3), ((3, 3, -2), 5e-3), ((3, 3, 3), 5e-3)):
+        block.x[block.nodes[place]] += np.array([0.0, counts * 0.6, counts * 0.8])
+        assert dent.held_motion(block) == pytest.approx(counts)
+    block.backing = replace(block.backing, outer_boundary="absorbing")
+    assert dent.held_motion(block) == 0.0
+
+
+def test_a_held_pack_over_most_of_the_face_is_doubtful(fabric):
+    """Held on all sides over 0.69 of the face; a smaller one, a round one and one with a free side are not."""
+    for opening, changes, share in (
+        (0.05, {}, 0.694),
+        (0.03, {}, 0.25),
+        (0.05, {"round": True}, 0.545),
+        (0.05, {"boundary": ("free", "clamped")}, 0.0),
+    ):
+        setup = ImpactSetup(
+            fabric, 60.0, **LEFT | {"boundary": "clamped", "opening": opening} | changes
+        )
+        found = dent.covered(setup.target().plies[-1])
+        assert found == pytest.approx(share, rel=0.1, abs=1e-12)
+        assert quality.indicator("face under held fabric", found).ok is (share < 0.5)
+
+
+def solver_with(time, depth, block, **changes):
+    """What `coupling.indicators` looks at of a solver that has stopped, and followed its block after that."""
+    columns = {"t": time, "dent": depth, "held_motion": 0.002 * depth, "crossing": 0 * time}
+    part = SimpleNamespace(block=block, hand_over=SimpleNamespace(deepest_ply=5e-3))
+    panel = SimpleNamespace(
+        supports=(("free", "free"),) * 2, opening=(0.03, 0.03), round=False, backing=block.backing
+    )
+    made = {
+        "part": lambda name: part,
+        "sample": (columns | changes.pop("columns", {})).get,
+        "plies": ((panel, None, None),),
+        "alone_from": np.nan,
+        "fabric_ended": False,
+        "stack": SimpleNamespace(after_stop=1e-3, stop_step=5),
+    }
+    return SimpleNamespace(**made | changes)
+
+
+def test_each_check_speaks_where_it_should_and_is_silent_where_all_is_well():
+    """A dent of 10 mm with a radius of 12 mm, which a shear wave crosses in 0.36 ms."""
+    block = block_with(bowl)
+    time = np.linspace(0.0, 2e-3, 201)
+    rests = 0.01 * np.minimum(time / 0.5e-3, 1.0)
+
+    def told(depth=rests, **changes):
+        found = coupling.indicators(solver_with(time, depth, block, **changes))
+        return {one.name: one.status for one in found if one.status != "ok"}
+
+    assert told() == {}
+    assert "spike of the dent" in {
+        one.name for one in coupling.indicators(solver_with(time, rests, block))
+    }
+    still = 0.01 * time / 2e-3
+    assert told(still) == {"change of the dent": "doubtful"}
+    slow = rests - 0.0003 * np.clip((time - 1.5e-3) / 0.5e-3, 0, 1)
+    assert told(slow) == {"change of the dent": "noted"}
+    closing = 0.04 * np.minimum(time / 0.5e-3, 1.0) - 0.03 * np.clip((time - 0.5e-3) / 0.5e-3, 0, 1)
+    assert told(closing) == {"springback of the dent": "doubtful"}
+    elastic = 0.0128 * np.minimum(time / 0.5e-3, 1) - 0.0028 * np.clip(time / 0.5e-3 - 1, 0, 1)
+    assert told(elastic) == {"springback of the dent": "noted"}
+    assert told(columns={"held_motion": 0.05 * rests}) == {"motion at held faces": "noted"}
+    assert told(columns={"held_motion": 0.08 * rests}) == {"motion at held faces": "doubtful"}
+    assert told(columns={"crossing": 1e-3 * (time > 1e-3)}) == {"face across symmetry": "doubtful"}
+    # alone behind a pack 5 mm deep: below it, and back at it
+    assert told(fabric_ended=True, alone_from=0.6e-3) == {}
+    back = rests - 0.006 * np.clip(time / 0.5e-3 - 1, 0, 1)
+    found = told(back, fabric_ended=True, alone_from=0.6e-3)
+    assert found["dent back at the pack"] == "doubtful"
+    # a run that ends as the projectile turns has no dent at rest, and none is asked for
+    at_once = SimpleNamespace(after_stop=0.0, stop_step=0)
+    assert told(still, stack=at_once) == {}
+    assert coupling.indicators(SimpleNamespace(part=lambda name: None)) == ()
