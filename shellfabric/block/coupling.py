@@ -436,6 +436,7 @@ def indicators(solver: Any) -> tuple[Indicator, ...]:
         "motion at held faces": solver.sample("held_motion").max() / deepest,
         "face under held fabric": dent.covered(solver.plies[-1][0]),
         "face across symmetry": solver.sample("crossing").max() / brick,
+        "hourglass energy of the block": _hourglass_share(solver),
     }
     if found.deepest_dent > 0.1 * brick:
         values["spike of the dent"] = dent.spike(found.depth_map, block.backing.mirrors)
@@ -449,6 +450,14 @@ def indicators(solver: Any) -> tuple[Indicator, ...]:
         least = depth[time >= solver.alone_from].min()
         values["dent back at the pack"] = part.hand_over.deepest_ply / max(least, 0.1 * brick)
     return tuple(indicator(name, value) for name, value in values.items())
+
+
+def _hourglass_share(solver):
+    """[-] the largest that springs of the hourglass control held, over what the block had taken up
+    at the end: they have no limit of their own."""
+    held = solver.sample("backing_hourglass").max()
+    taken = sum(float(solver.sample(name)[-1]) for name in NAMES)
+    return held / max(taken, 1e-3 * solver.strike_energy)
 
 
 def bricks_of(panel: Any) -> int:

@@ -238,6 +238,10 @@ LIMITS = {
         0.05,
         "furthest that a node of the block has come across a plane of symmetry, over the smallest brick",
     ),
+    "hourglass energy of the block": (
+        0.1,
+        "largest energy in the hourglass springs of the block over the energy that it has taken up",
+    ),
     "spike of the dent": (
         0.5,
         "how far the deepest node of the face stands below its deepest neighbour over its depth: a "
@@ -273,6 +277,7 @@ NOTES = {
     "friction to hold yarns": 0.15,
     "motion at held faces": 0.03,
     "brick on the dent's floor": 0.5,
+    "hourglass energy of the block": 0.07,
     "change of the dent": 0.02,
     "springback of the dent": 0.1,
 }
@@ -286,6 +291,7 @@ REMEDIES = {
     "face across symmetry": 'compare with symmetry = "whole"',
     "spike of the dent": "smaller backing.min_size",
     "brick on the dent's floor": "smaller backing.min_size",
+    "hourglass energy of the block": "smaller backing.min_size",
     "change of the dent": "longer backing.after_stop and run.end_time",
     "springback of the dent": "see whether the block is too small, and whether its modulus is known",
     "dent back at the pack": "the dent at rest leaves out that they meet",

@@ -216,6 +216,8 @@ def test_a_held_pack_over_most_of_the_face_is_doubtful(fabric):
 def solver_with(time, depth, block, **changes):
     """What `coupling.indicators` looks at of a solver that has stopped, and followed its block after that."""
     columns = {"t": time, "dent": depth, "held_motion": 0.002 * depth, "crossing": 0 * time}
+    columns |= dict.fromkeys(coupling.NAMES, 0 * time)
+    columns |= {"backing_plastic": 60 + 0 * time, "backing_hourglass": 3 * depth / depth.max()}
     part = SimpleNamespace(block=block, hand_over=SimpleNamespace(deepest_ply=5e-3))
     panel = SimpleNamespace(
         supports=(("free", "free"),) * 2, opening=(0.03, 0.03), round=False, backing=block.backing
@@ -227,6 +229,7 @@ def solver_with(time, depth, block, **changes):
         "alone_from": np.nan,
         "fabric_ended": False,
         "stack": SimpleNamespace(after_stop=1e-3, stop_step=5),
+        "strike_energy": 300.0,
     }
     return SimpleNamespace(**made | changes)
 
@@ -256,6 +259,9 @@ def test_each_check_speaks_where_it_should_and_is_silent_where_all_is_well():
     assert told(columns={"held_motion": 0.05 * rests}) == {"motion at held faces": "noted"}
     assert told(columns={"held_motion": 0.08 * rests}) == {"motion at held faces": "doubtful"}
     assert told(columns={"crossing": 1e-3 * (time > 1e-3)}) == {"face across symmetry": "doubtful"}
+    for largest, status in ((5.0, "noted"), (8.0, "doubtful")):
+        pushed = {"backing_hourglass": np.where(time > 1e-3, 3.0, largest)}
+        assert told(columns=pushed) == {"hourglass energy of the block": status}
     # alone behind a pack 5 mm deep: below it, and back at it
     assert told(fabric_ended=True, alone_from=0.6e-3) == {}
     back = rests - 0.006 * np.clip(time / 0.5e-3 - 1, 0, 1)
