@@ -102,6 +102,14 @@ def floor_brick(face: FloatArray, radius: float) -> float:
     return float(max(edges) / radius)
 
 
+def overtaking(block: Block) -> float:
+    """Compute the furthest [m] that a node has gone past the one below it in its column of bricks; 0
+    where all are in order. Such bricks are folded in an hourglass mode: their mean deformation, of
+    which alone they know, is sound."""
+    z = block.x[block.nodes, 2]
+    return max(0.0, float((z[..., :-1] - z[..., 1:]).max()))
+
+
 def crossing(block: Block) -> float:
     """Compute how far [m] a node has come across a plane of symmetry, beyond which the block is
     its own mirror image; 0 where none has."""

@@ -242,6 +242,11 @@ LIMITS = {
         0.1,
         "largest energy in the hourglass springs of the block over the energy that it has taken up",
     ),
+    "folded bricks": (
+        0.1,
+        "furthest that a node of the block has gone past the one below it, in an hourglass mode, over "
+        "the deepest dent: so far its depth may be off",
+    ),
     "spike of the dent": (
         0.5,
         "how far the deepest node of the face stands below its deepest neighbour over its depth: a "
@@ -277,6 +282,7 @@ NOTES = {
     "friction to hold yarns": 0.15,
     "motion at held faces": 0.03,
     "brick on the dent's floor": 0.5,
+    "folded bricks": 0.01,
     "hourglass energy of the block": 0.07,
     "change of the dent": 0.02,
     "springback of the dent": 0.1,
@@ -292,6 +298,7 @@ REMEDIES = {
     "spike of the dent": "smaller backing.min_size",
     "brick on the dent's floor": "smaller backing.min_size",
     "hourglass energy of the block": "smaller backing.min_size",
+    "folded bricks": "smaller backing.min_size",
     "change of the dent": "longer backing.after_stop and run.end_time",
     "springback of the dent": "see whether the block is too small, and whether its modulus is known",
     "dent back at the pack": "the dent at rest leaves out that they meet",

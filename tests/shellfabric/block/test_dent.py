@@ -179,6 +179,17 @@ def test_the_brick_on_the_floor_is_measured_as_it_is():
         assert quality.indicator("brick on the dent's floor", found).status == status
 
 
+def test_a_node_past_the_one_below_it_folds_its_bricks():
+    """By 0.4 mm in a dent of 10 mm: noted; beyond 1 mm doubtful; bricks pressed flat are in order."""
+    for past, status in ((0.0, "ok"), (0.4e-3, "noted"), (1.2e-3, "doubtful")):
+        block = block_with(bowl)
+        assert dent.overtaking(block) == 0.0
+        block.x[block.nodes[0, 0, 1], 2] = block.x[block.nodes[0, 0, 0], 2] - past
+        found = dent.overtaking(block)
+        assert found == pytest.approx(past, abs=1e-12)
+        assert quality.indicator("folded bricks", found / 0.01).status == status
+
+
 def test_a_node_across_a_plane_of_symmetry_and_motion_beside_held_faces_are_found():
     block = block_with(lambda x, y: 0 * x)
     assert dent.crossing(block) == dent.held_motion(block) == 0.0
