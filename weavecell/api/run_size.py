@@ -204,6 +204,7 @@ class StudySize(_Size):
     shots : number, about, with those of its searches
     searches : of a limit, of SHOTS_OF_A_SEARCH shots each
     cpu_time : (lowest, highest) [s]
+    of_range : shots that the range over what is assumed adds, with those of its searches
 
     Examples
     --------
@@ -216,10 +217,14 @@ class StudySize(_Size):
     shots: int
     searches: int
     cpu_time: tuple[float, float]
+    of_range: int = 0
 
     @classmethod
-    def estimate(cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0) -> StudySize:
-        """Estimate the size of shots and searches at a set-up.
+    def estimate(
+        cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0, repeats: int = 0
+    ) -> StudySize:
+        """Estimate the size of shots and searches at a set-up; all searches but the first, and
+        `repeats` of the shots, are of the range over what is assumed.
 
         Raises
         ------
@@ -232,7 +237,8 @@ class StudySize(_Size):
         to_its_end = RunSize.estimate(setup, title, ()).cpu_time
         of_a_shot = crossing / setup.end_time
         low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
-        return cls(title, shots, searches, (low, high))
+        of_range = SHOTS_OF_A_SEARCH * max(searches - 1, 0) + repeats
+        return cls(title, shots, searches, (low, high), of_range)
 
     @classmethod
     def add_up(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
@@ -240,7 +246,8 @@ class StudySize(_Size):
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
         shots = sum(size.shots for size in sizes)
         searches = sum(size.searches for size in sizes)
-        return cls(title, shots, searches, (low, high))
+        of_range = sum(size.of_range for size in sizes)
+        return cls(title, shots, searches, (low, high), of_range)
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
@@ -254,6 +261,12 @@ class StudySize(_Size):
             f"{self.title}: nothing is run",
             f"about {self.shots:,} shots{searches}; {self._seconds}",
         ]
+        if self.of_range:
+            own = self.shots - self.of_range
+            lines.append(
+                f"{own:,} of these shots are the study itself, {self.of_range:,} the range over what is "
+                "assumed, which can be left out"
+            )
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
         return "\n".join(lines)

@@ -141,7 +141,7 @@ def v50(
     if check:
         fired = shots * (1 + repeats)
         whole = replace(analysis.grade_mesh(panel.setup), symmetry="whole")
-        return StudySize.estimate(whole, panel.title, fired, 1 + searches)  # type: ignore[return-value]
+        return StudySize.estimate(whole, panel.title, fired, 1 + searches, shots * repeats)  # type: ignore[return-value]
     drawn = inputs.use_one_thread(panel.setup, strike_velocity=1.0), scatter, seed
     with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, NAMES, drawn) as run:
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)

@@ -80,3 +80,14 @@ def test_a_long_forecast_says_what_it_grows_with_and_what_spreads_it():
     assert f"jobs and executor {run_size.SPREAD}" in str(study)
     short = wc.size_of("S-720", "90 m/s", opening="20 mm", end_time="10 us")
     assert run_size.GROWTH not in str(short)
+
+
+def test_a_forecast_tells_the_shots_of_the_study_from_those_of_the_range():
+    size = wc.v50("S-720", shots=12, check=True, assumed_range=True)
+    alone = wc.v50("S-720", shots=12, check=True)
+    assert alone.of_range == 0
+    assert "range" not in str(alone)
+    assert size.shots - size.of_range == alone.shots == 12 + 9
+    assert f"{alone.shots} of these shots are the study itself, {size.of_range} the range" in str(
+        size
+    )
