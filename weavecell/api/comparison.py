@@ -36,7 +36,6 @@ from weavecell.api.target import is_input_file, list_assumptions, resolve_target
 from weavecell.results import display, keys, out_folder
 from weavecell.results.left_out import LeftOut
 from weavecell.scenes import honoured
-from weavecell.studies import paired
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -307,6 +306,8 @@ class ComparisonResult(DrawnResult):
     @cached_property
     def difference(self) -> Difference:
         """V50 or limit of A less that of B, with its interval."""
+        from weavecell.studies import paired
+
         if isinstance(self.a, V50Result) and isinstance(self.b, V50Result):
             return paired.compare_shots(_outcomes(self.a), _outcomes(self.b))
         low, high = (_span(self.a)[end] - _span(self.b)[1 - end] for end in (0, 1))
@@ -328,12 +329,16 @@ class ComparisonResult(DrawnResult):
     @property
     def verdict(self) -> str:
         """ "better" if A is better than B over the whole interval, "worse", or "not decided"."""
+        from weavecell.studies import paired
+
         return paired.judge(*self.interval)
 
     @property
     def shots_to_decide(self) -> int | None:
         """Number of shots at each after which the difference as it is would be decided; None if
         shots would not decide, or it is decided."""
+        from weavecell.studies import paired
+
         if self.verdict != paired.UNDECIDED or self.quantity != "v50":
             return None
         if self.difference.verdict != paired.UNDECIDED:
@@ -390,6 +395,8 @@ class ComparisonResult(DrawnResult):
     @property
     def headline(self) -> tuple[str, str]:
         """Which is better, and by how much."""
+        from weavecell.studies import paired
+
         a, b = self.names
         difference = self.difference
         if difference.reason:
@@ -402,6 +409,8 @@ class ComparisonResult(DrawnResult):
 
     def _what_decides(self):
         """What would decide, in words."""
+        from weavecell.studies import paired
+
         by_shots = self.difference.verdict
         if by_shots != paired.UNDECIDED and self.assumed_range is not None:
             widest = next(iter(self.assumed_range.widths))
@@ -420,6 +429,8 @@ class ComparisonResult(DrawnResult):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
+        from weavecell.studies import paired
+
         difference = self.difference
         name = QUANTITIES[self.quantity]
         lines = [" ".join(self.headline)]
@@ -511,6 +522,8 @@ class ComparisonResult(DrawnResult):
         """Return the half width of the interval of the difference that numbers of shots would give,
         and the verdict if the difference stays."""
         from pandas import DataFrame
+
+        from weavecell.studies import paired
 
         names = ["shots at each", "± of the difference [m/s]", "verdict if it stays"]
         return DataFrame(paired.forecast_widths(self.difference), columns=names)
