@@ -12,7 +12,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,unitcell3d meshing weavecell refusals installed)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow nightly package ledger convergence printed validate fuzz pages lint figures studies docs docs-again setup clean
+.PHONY: demo test test-slow nightly mutants package ledger convergence printed validate fuzz pages lint figures studies docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
@@ -28,7 +28,10 @@ printed: setup  ## every command that the guide prints, run as a reader would: t
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
 nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
-	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again package convergence
+	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again package convergence mutants
+
+mutants: setup  ## a hundred planted defects, each with the tests nearest to it: an hour; fails where fewer than 95 % are found
+	nice $(RUN:-m=) tools/mutants.py --out $(RESULTS)/mutants.csv --least 0.95
 
 package: setup  ## the wheel by Python 3.11 to 3.13, with the newest and the lowest packages, and the container image step by step: built, and tried as users would
 	tools/package.sh wheel

@@ -183,6 +183,9 @@ def main() -> None:
         "--check", action="store_true", help="run the tests that found the defects, without these"
     )
     parser.add_argument(
+        "--least", type=float, default=0.0, help="share of the defects that has to be found"
+    )
+    parser.add_argument(
         "--minutes", type=float, default=10.0, help="wall time for one defect at most"
     )
     parser.add_argument("--commit", default="HEAD", help="of which the tree is tested")
@@ -235,6 +238,9 @@ def main() -> None:
                 writer.writeheader()
             writer.writerow(rows[-1])
         print(*rows[-1].values(), flush=True)
+    found = sum(row["outcome"] != "survived" for row in rows)
+    print(f"{found} of {len(rows)} defects found")
+    sys.exit(found < chosen.least * len(rows))
 
 
 if __name__ == "__main__":
