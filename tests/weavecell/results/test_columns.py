@@ -12,7 +12,6 @@ import weavecell as wc
 from shellfabric.impact.run import run_impact
 from weavecell.api import limits
 from weavecell.api.scatter import V50Result
-from weavecell.results import impact as impact_files
 from weavecell.results.impact import ImpactRecord
 from weavecell.studies import laboratory_tests, sweep, v50, window
 from weavecell.studies import limit as limit_study
@@ -301,20 +300,6 @@ def test_a_stop_with_a_little_velocity_left_is_a_stop_of_the_curve():
         ]
         fits.append(v50.Study((90.0, 91.0), tuple(drawn), {}, v50.Scatter()).lambert_jonas)
     assert fits[0] == fits[1]
-
-
-def test_a_block_moves_by_its_share_of_all_that_it_has_taken():
-    """Kinetic energy over the sum of all energies of the block, not over the largest of them."""
-    at_end = {"backing_kinetic": 0.0, "backing_plastic": 6.0, "backing_elastic": 4.0, "other": 9.0}
-    for share, moves in ((0.9, False), (1.1, True)):
-        # of the sum, which kinetic energy is part of
-        kinetic = 10.0 * share * impact_files.AT_REST / (1 - share * impact_files.AT_REST)
-        energies = {
-            name: np.array([0.0, value])
-            for name, value in (at_end | {"backing_kinetic": kinetic}).items()
-        }
-        record = Given(energies=energies, backing=Given())
-        assert ImpactRecord.block_moves.fget(record) == moves
 
 
 def test_a_kept_shot_is_of_its_own_velocity(tmp_path):
