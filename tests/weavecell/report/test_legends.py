@@ -332,6 +332,34 @@ def difference(pyplot):
     return None  # the test above
 
 
+@case(pictures_comparison.draw_shots)
+def several_shots(pyplot):
+    names = ("velocity", "deflection", "contact_force")
+    shots = {
+        title: Given(time=rising(4, 1e-6), **{name: numbers(4) for name in names})
+        for title in ("one", "other")
+    }
+    wanted = {}
+    for name, factor, x, y in (
+        ("velocity", 1.0, "", "velocity [m/s]"),
+        ("deflection", 1e3, "", "deflection [mm]"),
+        ("contact_force", 1e-3, "time [µs]", "contact force [kN]"),
+    ):
+        wanted["", x, y] = {
+            title: xy(1e6 * shot.time, factor * getattr(shot, name))
+            for title, shot in shots.items()
+        }
+    return pictures_comparison.draw_shots(pyplot, shots), wanted
+
+
+@case(pictures_comparison.draw_residuals)
+def several_residuals(pyplot):
+    tables = {title: (numbers(3), numbers(3)) for title in ("one", "other")}
+    place = "", "strike velocity [m/s]", "residual velocity [m/s]"
+    wanted = {title: xy(*columns) for title, columns in tables.items()}
+    return pictures_comparison.draw_residuals(pyplot, tables), {place: wanted}
+
+
 @case(pictures_body.crater)
 def crater(pyplot):
     """Two bricks side by side at y = 0, the second eroded; strain and profile under each title."""
