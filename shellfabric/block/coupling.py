@@ -316,6 +316,7 @@ class BackingCoupling(Part):
         """Tell whether the pack has left the floor of the dent for good, see Part; looks at a sample
         whether it is further away than at the last."""
         points = self.block.points
+        assert points is not None  # they are made in the first step
         floor = self._on_floor()
         gap = float((-points.inside[floor]).min(initial=np.inf))
         depth = dent.deepest(self.block.depth_map())

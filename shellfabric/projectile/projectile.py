@@ -409,6 +409,7 @@ class Projectile:
         if self.shape in ("sphere", "hemisphere"):
             return self.radius
         if self.shape == "ogive":
+            assert self.nose_length is not None  # an ogive has one
             side = self.radius - 0.5 * (self.tip_diameter or 0.0)
             return min(side**2 / self.nose_length, self.nose_length**2 / side)
         tip = None

@@ -324,7 +324,9 @@ class YarnPanel(Panel):
         )
 
 
-def lie_anywhere(panels: Sequence[YarnPanel], seed: int | None) -> tuple[YarnPanel, ...]:
+def lie_anywhere(
+    panels: Sequence[YarnPanel], seed: int | Sequence[int] | None
+) -> tuple[YarnPanel, ...]:
     """Shift the grids of plies behind the first, each by a part of a cell of its weave that a seed draws: windows of
     plies do not lie behind each other. Without clamped edges, which are lines of the grid, they lie aligned.
 

@@ -145,12 +145,11 @@ def calibrate(
             "mesh if the solid is fitted: its V_c then belongs to the fibre fraction of the mesh"
         )
         raise InputError(key="fibre_fraction", value=fibre_fraction, allowed=allowed)
+    fraction: str = fibre_fraction or fraction_of(fabric)
     if curve is not None:
-        fibre_fraction = "mesh"
-    elif fibre_fraction is None:
-        fibre_fraction = fraction_of(fabric)
+        fraction = "mesh"
     choices = {"friction": friction, **how.solver_pool}
-    inputs = (fabric, size, friction, curve, fibre_fraction)
+    inputs = (fabric, size, friction, curve, fraction)
     names = (*NAMES, *solver.names())
     place = out_folder.hold(how.out, names, how.resume, [inputs])
     with place as folder, study_run.keep_runs(folder, how.resume, SOLID_RUNS) as runs:
@@ -159,9 +158,9 @@ def calibrate(
             solid = _solid(fabric, curve, runs)
             fabric = assumed.given(solid.fabric, "solid")
         built = meshes.of_calibration(fabric, size)
-        fractions = fractions_note(built, fibre_fraction)
+        fractions = fractions_note(built, fraction)
         if fractions and solid is None:
-            other = {"mesh": "stated", "stated": "mesh"}[fibre_fraction]
+            other = {"mesh": "stated", "stated": "mesh"}[fraction]
             way = f"{option('fibre_fraction', '')} {other}"
             fractions += f"; {way} shows what the others change"
         if fractions:
@@ -174,7 +173,7 @@ def calibrate(
                 out=folder,
                 laws=False,
                 resume=how.resume,
-                fibre_fraction=fibre_fraction,
+                fibre_fraction=fraction,
                 on_progress=watch,
                 **choices,
             )
@@ -186,7 +185,7 @@ def calibrate(
                     fabric,
                     done,
                     size=size,
-                    fibre_fraction=fibre_fraction,
+                    fibre_fraction=fraction,
                     on_progress=watch,
                     **choices,
                 )

@@ -310,6 +310,8 @@ class ComparisonResult(DrawnResult):
 
         if isinstance(self.a, V50Result) and isinstance(self.b, V50Result):
             return paired.compare_shots(_outcomes(self.a), _outcomes(self.b))
+        assert isinstance(self.a, CriticalVelocityResult)
+        assert isinstance(self.b, CriticalVelocityResult)
         low, high = (_span(self.a)[end] - _span(self.b)[1 - end] for end in (0, 1))
         fewest = min(len(self.a.shots), len(self.b.shots))
         return paired.Difference(self.values[0] - self.values[1], low, high, 0.0, fewest, 1.0)

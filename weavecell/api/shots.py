@@ -162,6 +162,7 @@ def impact(
             result, failure = shooting.run(accuracy, uncertainty=uncertainty)
             # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
             if failure is None and accuracy is None and panel.setup.plies == 1:
+                assert result.target is not None  # a shot that is fired now has one
                 with_ends = ranges.with_ends(result.target.setup, assumed_range)
                 if with_ends is not None:
                     result = _with_range(result, with_ends, folder)

@@ -69,7 +69,7 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
         for way in (1, -1):
             drawn = PolyCollection(corners * [way, 1], cmap="YlOrBr", lw=0.4, clim=(0, most))
             drawn.set_array(strain)
-            drawn.set_edgecolor(np.where(body.jacketed, INK, FAINT))
+            drawn.set_edgecolor([INK if jacketed else FAINT for jacketed in body.jacketed])
             axes.add_collection(drawn)
         axes.set(xlim=(-wide, wide), ylim=(-1.05 * long, 0.05 * long), aspect="equal")
         axes.set(title=title, xlabel="r [mm]")

@@ -90,9 +90,9 @@ def search(
         with stage("Residual velocities") as advance:
             fastest = max(limit.high, limit.highest_stop)
             known = [shot.strike_velocity for shot in limit.shots]
-            strikes = fastest * np.geomspace(*RESIDUAL_SHOTS, residual_shots)
+            wanted = fastest * np.geomspace(*RESIDUAL_SHOTS, residual_shots)
             # the look above the bracket may be the first of them
-            strikes = [float(v) for v in strikes if not np.isclose(v, known, rtol=1e-9).any()]
+            strikes = [float(v) for v in wanted if not np.isclose(v, known, rtol=1e-9).any()]
             shots = ballistic_limit.shoot(panel, strikes, report=advance, **beside)
             limit = limit_scan.with_shots(limit, shots)
     return LimitStudy(limit, residual_fit(limit), scan)

@@ -124,7 +124,8 @@ def compare_shots(
             return Difference(nan, -inf, inf, nan, fewest, confidence, reason)
     value = curves[0].V50 - curves[1].V50
     found = _Profile(PairedLikelihood(a, b), value, *map(_first_guess, (a, b), curves))
-    return Difference(*found.interval(0.5 * chi2.ppf(confidence, 1)), fewest, confidence)
+    value, low, high, r = found.interval(0.5 * chi2.ppf(confidence, 1))
+    return Difference(value, low, high, r, fewest, confidence)
 
 
 def _fit(shots):

@@ -528,6 +528,7 @@ def _block(record):
 def dent(record: ImpactRecord) -> str:
     """Write the back-face signature, with the deepest that the dent has been; of a block that still
     moves at the end, that it has no signature yet, and why."""
+    assert record.backing is not None
     deepest = f"{record.deepest_dent_mm:.3g} mm at {text(record.backing.deepest_dent_time, 's')}"
     if not record.block_moves:
         signature = f"back-face signature {record.back_face_signature_mm:.3g} mm"
