@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite, pi
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -12,15 +12,12 @@ from fabrics import plausible
 from fabrics.plausible import Number
 from shellfabric.membrane.boundary import Grip, PullIn
 
-if TYPE_CHECKING:
-    from shellfabric.impact.setup import ImpactSetup
-
 # [kg/m3] steel, of which a projectile without a length is taken to be
 _STEEL = 7850.0
 
 
-def list_numbers(setup: ImpactSetup) -> Iterator[Number]:
-    """List the numbers of a set-up, or the groups that they belong to, with their keys."""
+def list_numbers(setup: Any) -> Iterator[Number]:
+    """List the numbers of an ImpactSetup, or the groups that they belong to, with their keys."""
     yield from _of_projectile(setup)
     yield from _of_panel(setup)
     yield from _of_plies(setup)

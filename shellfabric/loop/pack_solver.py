@@ -18,7 +18,7 @@ from shellfabric.guards import ENERGY_ERROR_LIMIT, speed_limit
 from shellfabric.jit import barrier
 from shellfabric.jit.compile import compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
-from shellfabric.loop import compile_ahead, loop, ply_audit
+from shellfabric.loop import compile_ahead, dent_checks, loop, ply_audit
 from shellfabric.loop import pack_memory as memory
 from shellfabric.loop.driver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.membrane import edges, quality
@@ -238,7 +238,7 @@ class PackSolver(ExplicitSolver):
         """Those of the parts; of pinned yarns that have stopped the projectile, the friction that
         yarns which may slip would need to stop it."""
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
-        found += coupling.indicators(self)
+        found += dent_checks.indicators(self)
         if self.reason == STOPPED and not self.replaces_membrane:
             needed = yarns.friction_of_plies(self.pack.plies, self.strike_velocity)
             if needed is not None:

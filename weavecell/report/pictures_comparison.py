@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_beside
 from weavecell.report.pictures_style import COLOURS as COLOURS_OF_MANY
 
-if TYPE_CHECKING:
-    from weavecell.api.comparison import ComparisonResult
-
 COLOURS = {"A": BLUE, "B": ORANGE}
 
 
-def difference(pyplot: Any, result: ComparisonResult) -> Any:
+def difference(pyplot: Any, result: Any) -> Any:
     """Draw the outcomes of the shots at A and B with the curves of V50, or residual velocities about
-    the limits; below the difference with what widens it."""
+    the limits; below the difference with what widens it.
+
+    Parameters
+    ----------
+    result : weavecell.api.comparison.ComparisonResult
+    """
     figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 7.4), height_ratios=(2.2, 1))
     for name, one in zip(result.names, (result.a, result.b)):
         colour = COLOURS[name[0]]

@@ -13,7 +13,7 @@ from shellfabric.block.block import Backing
 from shellfabric.impact.result import collect_result
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.loop import checkpoint
+from shellfabric.loop import checkpoint, dent_checks
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import quality
 from shellfabric.membrane.numerics import Numerics
@@ -225,7 +225,7 @@ def test_a_held_pack_over_most_of_the_face_is_doubtful(fabric):
 
 
 def solver_with(time, depth, block, **changes):
-    """What `coupling.indicators` looks at of a solver that has stopped, and followed its block after that."""
+    """What `dent_checks.indicators` looks at of a solver that has stopped, and followed its block after that."""
     columns = {"t": time, "dent": depth, "held_motion": 0.002 * depth, "crossing": 0 * time}
     columns |= dict.fromkeys(coupling.NAMES, 0 * time)
     columns |= {"backing_plastic": 60 + 0 * time, "backing_hourglass": 3 * depth / depth.max()}
@@ -252,12 +252,12 @@ def test_each_check_speaks_where_it_should_and_is_silent_where_all_is_well():
     rests = 0.01 * np.minimum(time / 0.5e-3, 1.0)
 
     def told(depth=rests, **changes):
-        found = coupling.indicators(solver_with(time, depth, block, **changes))
+        found = dent_checks.indicators(solver_with(time, depth, block, **changes))
         return {one.name: one.status for one in found if one.status != "ok"}
 
     assert told() == {}
     assert "spike of the dent" in {
-        one.name for one in coupling.indicators(solver_with(time, rests, block))
+        one.name for one in dent_checks.indicators(solver_with(time, rests, block))
     }
     still = 0.01 * time / 2e-3
     assert told(still) == {"change of the dent": "doubtful"}
@@ -281,4 +281,4 @@ def test_each_check_speaks_where_it_should_and_is_silent_where_all_is_well():
     # a run that ends as the projectile turns has no dent at rest, and none is asked for
     at_once = SimpleNamespace(after_stop=0.0, stop_step=0)
     assert told(still, stack=at_once) == {}
-    assert coupling.indicators(SimpleNamespace(part=lambda name: None)) == ()
+    assert dent_checks.indicators(SimpleNamespace(part=lambda name: None)) == ()
