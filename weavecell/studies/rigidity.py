@@ -1,23 +1,29 @@
 """Whether a rigid projectile would have done in a shot, or the bar that it is moves tip against
-tail."""
+tail, or the metal of its nose flows."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, log1p, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fabrics import metals
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from shellfabric.projectile.projectile import TURNED
 
 if TYPE_CHECKING:
     from shellfabric.impact.result import ImpactResult
+    from shellfabric.projectile.projectile import Projectile
 
 # Periods of contact (`contact_time`) from which on a rigid projectile is enough
 # (docs/reports/numerics.md)
 ENOUGH = 3.0
+# of which a nose may be, by the density of the whole body within this share (a jacket lowers that of lead)
+CANDIDATES = ("lead", "OFHC copper", "42CrMo4")
+SAME_DENSITY = 0.15
 
 
 @dataclass(frozen=True)
@@ -121,25 +127,117 @@ def contact_time(t: FloatArray, force: FloatArray, period: float) -> float:
     )
 
 
-def check_shot(result: ImpactResult) -> Rigidity | None:
+@dataclass(frozen=True)
+class SoftNose:
+    """A rigid nose whose metal would have flowed.
+
+    Parameters
+    ----------
+    pressure, flow_stress : [Pa] mean over its cross section, and of its metal at the rate of the shot
+    metal : name of `fabrics.metals`
+    sure : whether mass and drawing say that it is this metal
+    """
+
+    pressure: float
+    flow_stress: float
+    metal: str
+    sure: bool
+
+    def __str__(self):
+        pressures = (
+            f"{1e-6 * self.pressure:.0f} MPa press on the nose, and {self.metal} flows at "
+            f"{1e-6 * self.flow_stress:.0f} MPa"
+        )
+        condition = "" if self.sure else f" if it is a bullet of {self.metal}"
+        return f'{pressures}: a rigid nose is not enough{condition}; use body = "metal"'
+
+
+def mean_density(shot: Projectile) -> float | None:
+    """Compute mass over volume [kg/m3] of a solid of revolution; None of another, or if no length is
+    given."""
+    radius = shot.radius
+    section = pi * radius**2
+    if shot.shape == "ogive" and shot.drawing is not None:
+        return shot.mass / (shot.drawing.drawn_mass / shot.drawing.core.density)
+    if shot.shape == "sphere":
+        return shot.mass / (section * 4 / 3 * radius)
+    if shot.length is None or shot.shape not in TURNED:
+        return None
+    lost = radius / 3 if shot.shape == "hemisphere" else 0.0
+    return shot.mass / (section * (shot.length - lost))
+
+
+def metal_of(shot: Projectile) -> tuple[str, bool] | None:
+    """Find the metal of a rigid nose: (its name, whether mass and drawing say so).
+
+    A hemisphere without a length may be a bullet of lead. None of a body whose density is that of no
+    metal, and of shapes that a body of metal cannot have.
+    """
+    if shot.shape not in TURNED:
+        return None
+    density = mean_density(shot)
+    if density is None:
+        return ("lead", False) if shot.shape == "hemisphere" else None
+    apart = {name: abs(density / metals.load(name).density - 1) for name in CANDIDATES}
+    nearest = min(apart, key=lambda name: apart[name])
+    return (nearest, True) if apart[nearest] <= SAME_DENSITY else None
+
+
+def find_soft_nose(
+    shot: Projectile, velocity: float, t: FloatArray, force: FloatArray
+) -> SoftNose | None:
+    """Judge whether the metal of a rigid nose would have flowed; None if not, or if it is not known.
+
+    The pressure is the largest mean of the force over the time in which a wave crosses the diameter,
+    over the cross section. The flow stress is that without plastic strain, at the rate that is the
+    velocity [m/s] over the diameter.
+
+    Parameters
+    ----------
+    t, force : (n,) [s], (n,) [N] history of even steps
+    """
+    found = metal_of(shot)
+    if found is None:
+        return None
+    name, sure = found
+    metal = metals.load(name)
+    diameter = 2 * shot.radius
+    held = find_held_force(t, force, diameter / metal.wave_speed)
+    pressure = held / (pi * shot.radius**2)
+    faster = 1 + metal.rate_coefficient * log1p(velocity / diameter / metal.reference_rate)
+    flow_stress = metal.yield_stress * faster
+    if pressure <= flow_stress:
+        return None
+    return SoftNose(pressure, flow_stress, name, sure)
+
+
+def check_shot(result: ImpactResult) -> Rigidity | SoftNose | None:
     """Judge whether a rigid projectile is enough.
 
-    Its contact is compared with the period of the bar that it is, or would be if it were of steel.
-    None for other shapes than a flat cylinder, and if the fabric was never touched.
+    The contact of a cylinder is compared with the period of the bar that it is, or would be if it
+    were of steel. Of other noses that were stopped, the pressure is compared with the flow stress of
+    their metal. None of a body of metal, and if nothing is to be said.
     """
     shot = result.setup.projectile
+    if shot.body == "metal":
+        return None
+    t = result.step_history[:, 0]
+    force = result.step_history[:, 3]
     try:
         bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
-        if bar is None:
-            return None
-        t = result.step_history[:, 0]
-        force = result.step_history[:, 3]
-        return rigid_is_enough(
-            contact_time(t, force, bar.period),
-            bar.period,
-            find_held_force(t, force, 0.5 * bar.period),
-            bar.yield_force,
-            elastic=shot.bar is not None,
-        )
     except InputError:
+        bar = None  # its mass is not that of a cylinder of steel
+    if bar is not None:
+        try:
+            return rigid_is_enough(
+                contact_time(t, force, bar.period),
+                bar.period,
+                find_held_force(t, force, 0.5 * bar.period),
+                bar.yield_force,
+                elastic=shot.bar is not None,
+            )
+        except InputError:
+            return None  # the fabric was never touched
+    if result.outcome != "stopped":
         return None
+    return find_soft_nose(shot, result.setup.strike_velocity, t, force)
