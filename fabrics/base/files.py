@@ -25,7 +25,7 @@ import re
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from io import BytesIO
 from math import isfinite, nan
@@ -44,6 +44,9 @@ ROOM = 65536
 _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
+# beginning of the names of files that are not finished; such a name ends as `mkstemp` has it
+UNFINISHED = ".weavecell-"
+_UNFINISHED = re.compile(r"\.weavecell-.+-[a-z0-9_]{8}(\.[^.]*)?")
 # called as watcher(path, finished file beside it) before each file is renamed to its path
 watchers: list[Callable[[Path, Path], None]] = []
 _read: ContextVar[set[Path] | None] = ContextVar("files that were read", default=None)
@@ -108,7 +111,7 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix
+            dir=path.parent, prefix=f"{UNFINISHED}{path.stem}-", suffix=path.suffix
         )
         os.close(handle)
         beside = Path(name)
@@ -133,6 +136,15 @@ def replace_whole(path: FilePath) -> Iterator[Path]:
     finally:
         if beside != path:
             beside.unlink(missing_ok=True)
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Remove the temporary files that a process left in a folder when it was killed; no other
+    process may write there."""
+    for path in folder.glob(f"{UNFINISHED}*"):
+        if _UNFINISHED.fullmatch(path.name) and path.is_file():
+            with suppress(OSError):
+                path.unlink()
 
 
 @contextmanager
@@ -298,9 +310,12 @@ def read_text(path: FilePath) -> str:
     # a NUL is what UTF-16 without a mark looks like as UTF-8
     if "\0" in text:
         number = len(good.splitlines()) + good.endswith((b"\n", b"\r"))
-        advice = (
-            'save it as "CSV UTF-8" (Excel), or with the encoding UTF-8 (Notepad and other editors)'
-        )
+        advice = "save it with the encoding UTF-8 (Notepad and other editors)"
+        if Path(path).suffix.lower() not in (".toml", ".json"):
+            advice = (
+                'save it as "CSV UTF-8" (Excel), or with the encoding UTF-8 (Notepad and other '
+                "editors)"
+            )
         message = f"line {max(number, 1)} is not UTF-8 text; {advice}"
         raise InputError(message, file=path)
     return text.replace("\r\n", "\n").replace("\r", "\n")

@@ -77,7 +77,8 @@ def unknown(name: str, allowed: str, *, key: str, file: object = None) -> InputE
     hint = None
     if near:
         hint = f'did you mean "{near}"?'
-    if path.exists():
+    # an empty text is the path of no file
+    if name and path.exists():
         hint = "is a file of another kind"
         if path.is_dir():
             hint = "is a folder"

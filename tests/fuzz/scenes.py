@@ -332,10 +332,11 @@ def sample_projectile(draw, half):
         lean = draw.uniform(1, 60)
         found |= {"obliquity": _text(lean, "deg"), "azimuth": _text(draw.uniform(0, 360), "deg")}
         if draw.chance(0.3):
-            found |= {
-                "yaw": _text(draw.uniform(-10, 14), "deg"),
-                "roll": _text(draw.uniform(0, 180), "deg"),
-            }
+            found["yaw"] = _text(draw.uniform(-10, 14), "deg")
+            roll = _text(draw.uniform(0, 180), "deg")
+            # other shapes look alike from all sides
+            if shape == "chisel":
+                found["roll"] = roll
     return found
 
 

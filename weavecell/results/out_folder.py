@@ -113,9 +113,11 @@ def claim(
         inputs
     """
     place = folder.resolve()
+    names = [*names]
     if place in _held:
         _add_names(folder, place, names)
         return
+    _check_list(folder, place)
     known = FileList.read(place)
     digests = {run_cache.inputs_digest(given) for given in inputs}
     if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
@@ -138,6 +140,9 @@ def claim(
         files.watchers.append(_list_file)
     _held[place] = Claim(descriptor, made, known, resume=resume)
     try:
+        for within in {"", *(str(Path(name).parent) for name in names)}:
+            if "*" not in within:
+                files.remove_unfinished(place / within)
         _add_names(folder, place, names)
         if resume and (known.inputs or not digests):
             earlier = None
@@ -219,6 +224,16 @@ def _release(place):
             os.unlink(place / file_list.NAME)
     os.close(claimed.descriptor)
     _remove_empty(claimed.made)
+
+
+def _check_list(folder, place):
+    """Refuse a folder whose list can be no list."""
+    listed = place / file_list.NAME
+    good = listed.is_file() and os.access(listed, os.W_OK)
+    if os.path.lexists(listed) and not good:
+        what = f"{file_list.NAME}, the list of what weavecell wrote"
+        allowed = f"another folder: in this one {what}, is no file that can be written to"
+        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
 
 
 def _add_names(folder, place, names):

@@ -201,7 +201,11 @@ def _fabric(table, key, file):
         fabric = catalogue.load(table.name)
     else:
         allowed = f"one of {', '.join(catalogue.list_names())}"
-        raise catalogue.unknown(table.name, allowed, key=f"{key}.name", file=file)
+        name = f"{key}.name"
+        if table.name.lower().endswith(".toml"):
+            hint = f"a fabric file stands under {key}.file"
+            raise InputError(hint, key=name, value=table.name, allowed=allowed, file=file)
+        raise catalogue.unknown(table.name, allowed, key=name, file=file)
     return with_linear_density(fabric, table.linear_density)
 
 

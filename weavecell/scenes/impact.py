@@ -127,7 +127,9 @@ class ProjectileTable(Table):
         "direction of the obliquity in the plane of the panel, from the warp", -360, 360, "90 deg"
     ) = 0.0
     yaw: angle("angle between axis and line of flight", -75, 75, "5 deg") = 0.0
-    roll: angle("rotation about the axis", -360, 360, "45 deg") = 0.0
+    roll: angle(
+        "rotation about the axis of a chisel or a body of an STL file", -360, 360, "45 deg"
+    ) = 0.0
     friction: number(
         "Coulomb coefficient between projectile and fabric; if not given 0 of a fabric of the catalogue, else assumed",
         0.2,
@@ -181,6 +183,8 @@ class ProjectileTable(Table):
             self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
         if self.obliquity == 0 and self.yaw == 0:
             self.refuse("azimuth", "left out without obliquity and yaw: it is their direction")
+        if SHAPES[self.shape].turned:
+            self.refuse("roll", f"left out for {SHAPES[self.shape].words}, alike from all sides")
         if (self.jacket is None) != (self.jacket_thickness is None):
             raise InputError(key="jacket_thickness", allowed="given together with jacket")
         if self.body != "elastic_bar":

@@ -205,6 +205,5 @@ def test_a_scene_that_is_not_text(command, tmp_path):
     assert command("impact scene.toml") == (
         2,
         "",
-        'error: scene.toml: line 1 is not UTF-8 text; save it as "CSV UTF-8" (Excel), or with the encoding UTF-8 '
-        "(Notepad and other editors)\n",
+        "error: scene.toml: line 1 is not UTF-8 text; save it with the encoding UTF-8 (Notepad and other editors)\n",
     )

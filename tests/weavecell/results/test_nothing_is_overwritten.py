@@ -1,5 +1,6 @@
 """What weavecell did not write, and what a run reads, is neither overwritten nor removed: each command, each file."""
 
+import os
 import re
 import shlex
 import shutil
@@ -104,6 +105,22 @@ def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_
         )
         assert (out / file).read_text() == "mine"
         assert sum(path.is_file() for path in out.rglob("*")) == 1
+
+
+def test_a_folder_whose_list_can_be_no_list_is_refused(command, tmp_path, not_computed):
+    (tmp_path / "tests.csv").write_text(TESTS)
+    for make in (Path.mkdir, os.mkfifo, lambda path: path.symlink_to(tmp_path / "nowhere")):
+        out = tmp_path / f"out-{len(list(tmp_path.iterdir()))}"
+        out.mkdir()
+        make(out / file_list.NAME)
+        code, _, err = command(f"reduce tests tests.csv --out {out.name}")
+        assert code == 2
+        assert err == (
+            f"error: --out = '{out.name}': must be another folder: in this one .weavecell-files, the list of what "
+            "weavecell wrote, is no file that can be written to\n"
+        )
+        assert [path.name for path in out.iterdir()] == [file_list.NAME]
+    assert not (tmp_path / "nowhere").exists()
 
 
 @pytest.mark.parametrize(

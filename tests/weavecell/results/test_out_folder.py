@@ -109,3 +109,30 @@ def test_to_resume_is_refused_in_a_folder_of_another_input(command, tmp_path, mo
     assert code == 2
     assert err == f"{line}options; without --resume it is replaced\n"
     assert times() == before
+
+
+KILLED = (
+    "import os, sys; from pathlib import Path; from fabrics.base import files\n"
+    "with files.replace_whole(Path(sys.argv[1])): os._exit(9)"
+)
+
+
+def test_what_a_killed_run_left_unfinished_goes(tmp_path):
+    """In the folder and in those of its names; hidden files of others stay, as does what is not of these folders."""
+    for name in ("shots.csv", "pictures/curve.svg", "mine/shots.csv"):
+        subprocess.run([sys.executable, "-c", KILLED, tmp_path / name], check=False)
+    kept = [
+        ".shots-abcd1234.csv",
+        ".weavecell-notes.txt",
+        ".weavecell-shots-ABCD1234.csv",
+        "mine/.curve-abcd1234.svg",
+    ]
+    for name in kept:
+        (tmp_path / name).write_text("mine")
+    assert sum(path.is_file() for path in tmp_path.rglob("*")) == 3 + len(kept)
+    out_folder.claim(tmp_path, ["shots.csv", "pictures/*.svg", "panel/*"])
+    out_folder.release()
+    left = [p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file()]
+    (unfinished,) = [name for name in left if name not in kept]
+    assert unfinished.startswith("mine/.weavecell-shots-")
+    assert set(kept) < set(left)

@@ -45,7 +45,10 @@ def scene(tmp_path):
 
 def test_sigterm_is_an_interrupt_with_a_checkpoint(command, scene, tmp_path):
     with signalled(signal.SIGTERM):
-        assert command("impact", scene, "--out", "r")[::2] == (130, f"error: {LINE}\n")
+        code, _, err = command("impact", scene, "--out", "r")
+    # kernels that are not in the cache yet are announced
+    said = [line for line in err.splitlines() if "compiling the kernels" not in line]
+    assert (code, said) == (130, [f"error: {LINE}"])
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     assert (tmp_path / "r" / "checkpoint.h5").exists()
 

@@ -32,6 +32,10 @@ OTHERWISE = {
     "projectile.body": (HEAVY, "elastic_bar"),
     "projectile.bore_diameter": (merged(HEAVY, {"projectile": {"body": "elastic_bar"}}), "4.5 mm"),
     "projectile.azimuth": ({"projectile": {"obliquity": "20 deg"}}, "90 deg"),
+    "projectile.roll": (
+        {"projectile": {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg"}},
+        "45 deg",
+    ),
     "panel.impact_point": ({}, ["1 mm", "0 mm"]),
 }
 TABLES = ("fabric", "projectile", "panel", "numerics")
