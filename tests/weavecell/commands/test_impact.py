@@ -20,6 +20,7 @@ from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
+LONG = {"body-armour"}
 UNSTABLE = "\n[numerics]\ncontact_damping = 30.0\n"
 
 
@@ -112,7 +113,13 @@ def test_an_unstable_run_keeps_what_it_computed(unstable):
     assert record.failure_message in page
 
 
-@pytest.mark.parametrize("example", [pytest.param(p, id=p.stem) for p in EXAMPLES])
+@pytest.mark.parametrize(
+    "example",
+    [
+        pytest.param(p, marks=pytest.mark.slow(300) if p.stem in LONG else (), id=p.stem)
+        for p in EXAMPLES
+    ],
+)
 def test_examples_run(succeed, tmp_path, example):
     assert f"weavecell impact examples/{example.name}" in example.read_text()
     succeed(f"impact {example} --out results")
