@@ -4,7 +4,7 @@ of its back face."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,6 +38,8 @@ class Snapshot:
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
     failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn
         segments
+    outline : (rings, 2) [m] r and z of the surface of a projectile of metal, its foremost point at
+        z = 0, with the first ply; of another body empty
     """
 
     t: float
@@ -49,6 +51,7 @@ class Snapshot:
     pressure: np.ndarray
     area: np.ndarray
     failed_segments: np.ndarray
+    outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
 
 def snapshot(
@@ -104,6 +107,9 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
         # the position of the nose is counted from the first ply
         nose = (found or [one])[0].projectile_position.copy()
         found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose))
+    body = solver.part("metal")
+    if body is not None:
+        found[0] = replace(found[0], outline=body.outline())
     return tuple(found)
 
 

@@ -210,6 +210,13 @@ class MetalBody(Part):
         found: Constants = const._replace(nose=self.noses[ply])
         return found
 
+    def outline(self) -> FloatArray:
+        """Return its surface (rings, 2) [m] as it is, r and z, from tip to tail; the foremost point
+        is at z = 0."""
+        found = self.row.x[self.row.outline]
+        found[:, 1] -= found[:, 1].max()
+        return found
+
     def rows(self) -> dict[str, Row]:
         """Return the rows of body and profile; the forces on the rings are in them, see Part."""
         return {"row": self.row, "profile": self.row.profile}

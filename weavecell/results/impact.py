@@ -6,7 +6,8 @@ instant; /plies/histories with one column a ply; /plies with one row a ply; /hal
 and /final/00, 01, ... with each ply's shape and state when the projectile had lost half of the
 energy that it lost (the snapshot nearest to it) and at the end, /quads/00, ... with the node
 numbers of its elements; /cuts with the section through the impact point at the instants of the
-snapshots. Where there are any: /measured/00, ... with histories along the yarns of a ply (samples
+snapshots, and in it the outline of a projectile of metal. Where there are any: /measured/00, ...
+with histories along the yarns of a ply (samples
 by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
 of tip, tail and centre of mass of an elastic projectile; /backing with the block at the end, as far
 as it is modelled. Nodes count from the middle surface of the first ply at rest. Every dataset has
@@ -353,6 +354,8 @@ class ImpactRecord(ImpactData):
                 write_table(f"cuts/{number:04d}", cut, "cut")
                 for ply, line in enumerate(cut.lines):
                     put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
+                if cut.outline.size:
+                    put(file, f"cuts/{number:04d}/outline", cut.outline, "m")
             for ply, measured in enumerate(self.measured):
                 _write_measured(file.create_group(f"measured/{ply:02d}"), measured)
             for name in _PARTS:
@@ -385,7 +388,8 @@ class ImpactRecord(ImpactData):
             cuts = []
             for group in _members(file, "cuts"):
                 lines = tuple(line[()] for line in _members(group, "lines"))
-                cuts.append(read_group(group, Cut, "cut", lines=lines))
+                more = {"outline": group["outline"][()]} if "outline" in group else {}
+                cuts.append(read_group(group, Cut, "cut", lines=lines, **more))
             for name, kind in zip(_PARTS, (BarHistory, MetalHistory, BackingResult)):
                 if name in file:
                     values[name] = read_group(file[name], kind, name)

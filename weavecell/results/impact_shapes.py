@@ -4,7 +4,7 @@ tensions."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,11 +66,14 @@ class Cut:
     time, nose_position : [s, m] and the foremost point of the projectile
     lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its
         yarn has failed
+    outline : (rings, 2) [m] r and z of the surface of a projectile of metal, its foremost point at
+        z = 0; of another body empty
     """
 
     time: float
     nose_position: float
     lines: tuple
+    outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
     @classmethod
     def from_snapshots(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
@@ -87,7 +90,8 @@ class Cut:
             line = line[long[0] : long[-1] + 2]
             gone = gone[(gone >= long[0]) & (gone <= long[-1])] - long[0]
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
-        return cls(float(shots[0].t), float(shots[0].nose_position), tuple(lines))
+        first = shots[0]
+        return cls(float(first.t), float(first.nose_position), tuple(lines), first.outline)
 
 
 def _cut_turned_ply(shot, panel):
