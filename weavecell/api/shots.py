@@ -6,6 +6,7 @@ The folder of `weavecell impact`
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
+    body.pvd        that of body/body-*.vtu: the surface of a projectile of metal
     pictures/       histories, cuts, energies (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
@@ -63,7 +64,7 @@ __all__ = ["ShotResult", "impact"]
 
 RANGE = "range"  # folder of the finished shots of the range over what is assumed
 WINDOW = "window"  # folder of the finished shots at other velocities
-PANEL = ("panel.pvd", "panel/panel-*.vtu")
+PANEL = ("panel.pvd", "panel/panel-*.vtu", "body.pvd", "body/body-*.vtu")
 NAMES = (
     "scene.toml",
     "projectile.stl",
@@ -540,7 +541,8 @@ class ShotResult(ImpactRecord, Result):
         return [*(plies for plies in self.shapes if plies[0].time < self.final[0].time), self.final]
 
     def to_vtk(self, folder: FilePath) -> Path:
-        """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each.
+        """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each;
+        and the surface of a projectile of metal, body.pvd with ``body/*.vtu``.
 
         Parameters
         ----------
@@ -554,6 +556,8 @@ class ShotResult(ImpactRecord, Result):
 
         with out_folder.hold(folder, PANEL):
             vtk.write_panel(Path(folder), self.instants, self.quads)
+            if surfaces := self.surfaces():
+                vtk.write_body(Path(folder), surfaces)
         return Path(folder) / "panel.pvd"
 
     @out_folder.saving(*NAMES)
@@ -573,7 +577,8 @@ class ShotResult(ImpactRecord, Result):
         outputs = self.case.scene.run.outputs
         stamp = self.save_numbers(out)
         # of an earlier run, whose series may have been longer
-        out_folder.remove_earlier(out, "panel/panel-*.vtu")
+        for names in ("panel/panel-*.vtu", "body.pvd", "body/body-*.vtu"):
+            out_folder.remove_earlier(out, names)
         if "paraview" in outputs:
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):

@@ -29,6 +29,7 @@ from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.impact.result import ImpactData, ImpactResult
 from shellfabric.membrane.quality import status
+from shellfabric.projectile.projectile import turn_about
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import Cut, Peak, Shape
@@ -262,6 +263,17 @@ class ImpactRecord(ImpactData):
         places = np.array([np.zeros(3), *(shape.projectile_position for shape in self.rear)])
         times = [0.0, *(shape.time for shape in self.rear)]
         return np.array([np.interp(t, times, place) for place in places[:, :2].T])
+
+    def surfaces(self) -> list[tuple[FloatArray, float]]:
+        """Return the surface (a, b, 3) [m] of a projectile of metal at each cut, where it is then,
+        and the time [s]; none of another projectile."""
+        found = []
+        for cut in self.cuts:
+            if cut.outline.size:
+                place = np.append(self.nose_place(cut.time), cut.nose_position)
+                around = self.projectile.shape[1]
+                found.append((turn_about(cut.outline, around) + place, cut.time))
+        return found
 
     @property
     def ply_shares(self) -> FloatArray:

@@ -90,6 +90,24 @@ def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[
     write_series(out / "panel.pvd", times)
 
 
+def write_body(out: Path, surfaces: Iterable[tuple[FloatArray, float]]) -> None:
+    """Write the surface of a projectile as body.pvd and body/body-NNNN.vtu in the folder `out`.
+
+    Parameters
+    ----------
+    surfaces : (places (a, b, 3) [m], time [s]) of each instant
+    """
+    import pyvista
+
+    times: dict[str, float] = {}
+    for number, (surface, time) in enumerate(surfaces):
+        name = f"body/body-{number:04d}.vtu"
+        made = pyvista.StructuredGrid(*np.moveaxis(surface, -1, 0))
+        write_grid(out / name, made.cast_to_unstructured_grid())
+        times[name] = time
+    write_series(out / "body.pvd", times)
+
+
 def write_grid(path: FilePath, content: Any) -> None:
     """Write a grid of pyvista as .vtu, whole or not at all."""
     with replace_whole(path) as beside:

@@ -2,13 +2,16 @@
 
 import numpy as np
 import pytest
+import pyvista
 
+import weavecell as wc
 from fabrics import catalogue
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from weavecell.report.shot.chapters_shot import cut_view
 from weavecell.report.shot.view import Panel
+from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 16e-6, "snapshot_interval": 4e-6}
@@ -17,7 +20,9 @@ DRAWN = {"shape": "ogive", "radius": 2.75e-3, "length": 12e-3, "nose_length": 5e
 
 def shoot(**changes):
     shot = Projectile(mass=2.86e-3, edge_radius=0.2e-3, **DRAWN | changes)
-    setup = ImpactSetup(catalogue.load("S-720").with_effective_density(), 300.0, projectile=shot, plies=2, **QUICK)
+    setup = ImpactSetup(
+        catalogue.load("S-720").with_effective_density(), 300.0, projectile=shot, plies=2, **QUICK
+    )
     return run_impact(setup)
 
 
@@ -53,6 +58,29 @@ def test_cuts_have_the_outline_of_their_time(struck, tmp_path):
 def test_a_rigid_nose_is_drawn_as_at_rest():
     record = ImpactRecord.from_result(shoot(), "a nose", "a law")
     assert all(cut.outline.size == 0 for cut in record.cuts)
+    assert record.surfaces() == []
     last = cut_view(record, record.cuts[-1], "").projectile
     assert np.ptp(last[:, 1]) == pytest.approx(12e-3, rel=1e-3)
     assert Panel(record, []).surface(8e-6) is record.projectile
+
+
+def test_paraview_has_the_bullet_beside_the_panel(tmp_path):
+    shot = wc.impact(
+        "S-720",
+        "300 m/s",
+        plies=2,
+        projectile={"name": ".22 LR 2.6 g"},
+        opening="50.8 mm",
+        end_time="12 us",
+        snapshot_interval="4 us",
+    )
+    shot.to_vtk(tmp_path)
+    panels, bodies = (vtk.read_series(tmp_path / f"{name}.pvd") for name in ("panel", "body"))
+    assert [time for _, time in bodies] == [time for _, time in panels]
+    assert len(bodies) >= 3
+    tips = [pyvista.read(file).points[:, 2].max() for file, _ in bodies]
+    noses = [pyvista.read(file).field_data["projectile_z_m"][0] for file, _ in panels]
+    assert tips == pytest.approx(noses, rel=1e-5)
+    low, high = pyvista.read(bodies[-1][0]).points.min(axis=0), 0.5 * shot.metal.width
+    assert -low[:2] == pytest.approx([high, high], rel=1e-3)
+    assert tips[-1] - low[2] == pytest.approx(shot.metal.length, rel=1e-5)
