@@ -23,10 +23,12 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from fabrics.base import files
 from tests.scene_text import impact_scene
 from weavecell.results import file_list
 
 SHORT = {"opening": "20 mm", "end_time": "5 us"}
+SMALL = {"opening": "30.6 mm", "end_time": "60 us", "run": "elements_per_crossover = 1"}
 OUTPUTS = 'elements_per_crossover = 1\noutputs = ["paraview", "report"]'
 COUPON = '[fabric]\nname = "S-720"\n[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n[run]\nsteps = 2\n'
 PULL = '[fabric]\nname = "S-726"\n[pull_out]\ncrossings = 10\ndisplacement = "1 mm"\ncrossover_cohesion = "0.5 N"\n'
@@ -36,6 +38,8 @@ FLIGHT = "time [us], displacement [mm]\n" + "".join(
 INPUTS = {
     "scene.toml": impact_scene(**SHORT, run=OUTPUTS),
     "bare.toml": impact_scene(**SHORT, run="elements_per_crossover = 1\noutputs = []"),
+    "study.toml": impact_scene(**SMALL),
+    "other.toml": impact_scene(**SMALL, fabric="S-728"),
     "frame.toml": COUPON,
     "pull.toml": PULL,
     "tests.csv": "velocity [m/s], outcome, residual velocity [m/s]\n80, PP, 0\n120, CP, 31\n95, CP, 12\n",
@@ -48,6 +52,10 @@ COMMANDS = {
     "coupon frame.toml": True,
     "coupon pull.toml": True,
     "sweep bare.toml --over panel.plies=1,2 --jobs 1": True,
+    "v50 study.toml --shots 8 --batch 4 --jobs 1 --no-assumed-range": True,
+    "critical-velocity study.toml --tolerance '20 m/s' --residual-shots 0 --no-scan --jobs 1 --no-assumed-range": True,
+    "compare study.toml other.toml --shots 8 --jobs 1 --no-assumed-range": True,
+    "mesh S-720 --format k,rad": False,
     "reduce tests tests.csv": True,
     "reduce shot flight.csv --mass '3 g'": False,
     "biaxial S-720 --ratio 1:1": False,
@@ -101,10 +109,10 @@ class Run:
     seconds: float
 
 
-def draw(count, seed):
-    """Draw endings, each command in turn."""
+def draw(count, seed, beginnings=("",)):
+    """Draw endings, each command with one of these beginnings in turn."""
     drawn = random.Random(seed)
-    names = [*COMMANDS]
+    names = [command for command in COMMANDS if command.startswith(tuple(beginnings))]
     for number in range(count):
         yield Ending(
             names[number % len(names)],
@@ -171,8 +179,6 @@ def _be_the_command(words, folder, before, err):
 
 def _end_at_file(number, sent):
     """End this process when the file with a number, from 0, is about to appear."""
-    from fabrics.base import files
-
     written = []
 
     def watcher(path, _):
@@ -274,6 +280,9 @@ def faults(ending, base, model):
         found.append("a file of the user is changed")
     if set(after) != set(digests(whole)):
         found.append(f"other files: {sorted(set(after) ^ set(digests(whole)))}")
+    left = [path.name for path in folder.rglob(f"{files.UNFINISHED}*-????????*")]
+    if left:
+        found.append(f"left unfinished: {left}")
     if tables(folder / "o") != tables(whole / "o"):
         found.append("other numbers")
     shutil.rmtree(folder)
@@ -285,6 +294,7 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--only", nargs="+", default=[""], help="beginnings of commands")
     chosen = parser.parse_args(arguments)
     # children have all modules, and the compiled kernels that they find in the cache
     from weavecell import api
@@ -295,7 +305,7 @@ def main(arguments=None):
     wrong = 0
     tally = dict.fromkeys(ENDS, 0)
     with tempfile.TemporaryDirectory() as base:
-        for ending in draw(chosen.count, chosen.seed):
+        for ending in draw(chosen.count, chosen.seed, chosen.only):
             if ending.command not in models:
                 models[ending.command] = undisturbed(ending.command, base)
             tally[ending.kind] += 1

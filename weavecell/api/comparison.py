@@ -125,7 +125,7 @@ def compare(
     from weavecell.studies import inputs, strengths, v50
 
     width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    if quantity not in QUANTITIES:
+    if quantity not in list(QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(map(repr, QUANTITIES))}"
         )

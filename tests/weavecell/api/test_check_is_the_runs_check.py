@@ -106,3 +106,12 @@ def test_options_of_a_sweep(not_computed, quantity, option):
             given["over"] = over | {"panel.plies": value}
         run = answer(wc.sweep, "S-720", **given)
         assert answer(wc.sweep, "S-720", check=True, **given) == run, value
+
+
+@pytest.mark.parametrize("quantity", ["v50", "critical-velocity"])
+@pytest.mark.parametrize("option", ["quantity", "tolerance", "shots", "seed", "jobs", "executor"])
+def test_options_of_a_comparison(not_computed, quantity, option):
+    for value in WRONG:
+        given = {"quantity": quantity} | {option: value} | SMALL
+        run = answer(wc.compare, "S-720", "S-728", **given)
+        assert answer(wc.compare, "S-720", "S-728", check=True, **given) == run, value
