@@ -262,6 +262,15 @@ def test_an_interrupt_inside_a_kernel_is_an_interrupt():
         raise SystemError("of another cause")
 
 
+@pytest.fixture
+def heeds_interrupts():
+    """A process that was started in the background ignores SIGINT until it is told otherwise."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeds_interrupts")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_an_interrupt_that_a_library_makes_another_error_of_is_an_interrupt(number):
     def load():

@@ -97,7 +97,7 @@ def _format_of(path):
     """The format that an HDF5 file names; "" without one."""
     import h5py
 
-    with h5py.File(path) as file:
+    with h5py.File(path, "r", locking=False) as file:
         return str(file.attrs.get("format", ""))
 
 

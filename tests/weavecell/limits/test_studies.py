@@ -161,7 +161,7 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):
     ]
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
-    assert names(folder) == "comparison.json comparison.svg report.html scene.toml shots.csv"
+    assert names(folder) == "comparison.json comparison.svg report.html runs scene.toml shots.csv"
 
 
 def test_one_key_at_a_time_is_the_file_and_then_each_value_alone(tmp_path):

@@ -391,7 +391,7 @@ def test_v50_over_what_is_assumed_shoots_the_drawn_panels_again(fabric, tmp_path
         return hashlib.sha256(repr(kept).encode()).hexdigest()
 
     monkeypatch.setattr(v50, "fire", fire)
-    monkeypatch.setattr(v50, "_search_limit", lambda setup, _: ("", limit_of(setup)))
+    monkeypatch.setattr(v50, "search_limit", lambda setup, _: ("", limit_of(setup)))
     monkeypatch.setattr(v50.run_cache, "key", digest)
     setup = setup_of(fabric, 0.08)
     # of the panels 1 and 3 there is no outcome
