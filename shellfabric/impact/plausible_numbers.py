@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite, pi
+from math import cos, isfinite, pi
 from typing import Any
 
 import numpy as np
@@ -41,7 +41,8 @@ def _of_projectile(setup):
         ratio = projectile.edge_radius / projectile.radius
         yield Number("projectile.edge_radius", "edge_radius", ratio)
     if projectile.tip_radius is not None:
-        ratio = projectile.tip_radius / projectile.radius
+        # the circle on which the rounding goes over into the flank
+        ratio = projectile.tip_radius * cos(projectile.half_angle) / projectile.radius
         yield Number("projectile.tip_radius", "tip_radius", ratio)
     for key in ("nose_length", "tip_diameter"):
         length = getattr(projectile, key)

@@ -39,7 +39,7 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
         element = PACK
     run = sum(counts) * element
     run += BRICK * bricks_of(plies[0])
-    run += CROSSING * crossings_of(plies[0])
+    run += CROSSING * sum(map(crossings_of, plies))
     if written:
         run = max(run, WRITTEN * max(counts))
     return run + SNAPSHOT * snapshots * sum(counts)

@@ -492,7 +492,7 @@ IDLE_HERE = {"backing_eroded", "backing_absorbed"}
 THREE = {"plies": 3}
 IDLE = RateLaw((1.0, 1000.0), (1.0, 1.0))
 SAME = {  # kind, and the changes that make one run of it in two ways
-    "a clamp that holds more than the strength": ("one ply", {}, {"boundary": Grip(1e6)}),
+    "a clamp that holds more than the strength": ("one ply", {}, {"boundary": Grip(1e5)}),
     "a strength that is the same at all rates": (
         "one ply",
         {},

@@ -6,7 +6,7 @@ import re
 import pytest
 
 import weavecell as wc
-from shellfabric.loop import memory
+from shellfabric.loop import memory, pack_memory
 from tests.programs import printed
 
 MEASURE = """
@@ -54,7 +54,7 @@ def test_an_own_limit_of_addresses_counts():
 @pytest.mark.parametrize(
     "call, given, key, content",
     [
-        (wc.impact, {"snapshot_interval": "100 us"}, "opening", "5,929 elements and 8 snapshots"),
+        (wc.impact, {}, "opening", "5,929 elements"),
         (wc.impact, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),
         (
             wc.impact,
@@ -72,3 +72,27 @@ def test_a_run_above_the_free_memory_is_refused(monkeypatch, call, given, key, c
         call("S-720", *{wc.impact: [92.5], wc.coupon: ["bias_extension"]}.get(call, []), **given)
     text = rf"{key} = .* must be smaller, or the elements larger: {content}.*GB of memory, and 0\.0 GB are free"
     assert re.fullmatch(text, str(problem.value))
+
+
+def test_snapshots_are_named_where_they_take_the_larger_part(monkeypatch):
+    monkeypatch.setattr(memory, "free", lambda: 1e5)
+    text = "snapshot_interval: must be longer: 5,929 elements with 8 snapshots need about"
+    with pytest.raises(wc.InputError, match=text):
+        wc.impact("S-720", 92.5, snapshot_interval="100 us")
+
+
+def test_each_ply_of_a_pack_counts_its_resolved_yarns():
+    pinned, resolved = (
+        wc.setup("S-726", "100 m/s", opening="40 mm", plies=3, crossovers=how).target().plies
+        for how in ("pinned", "yarns")
+    )
+    alone = [
+        sum(pack_memory.needed([ply]) - pack_memory.ELEMENT * ply.elements for ply in plies)
+        for plies in (pinned, resolved)
+    ]
+    packs = [
+        pack_memory.needed(plies) - pack_memory.PACK * sum(ply.elements for ply in plies)
+        for plies in (pinned, resolved)
+    ]
+    assert packs == pytest.approx(alone)
+    assert packs[0] == 0 < packs[1]
