@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
 
 # folder of the finished runs
-RUNS = "runs"
+RUNS = out_folder.RUNS
 
 
 @dataclass(frozen=True)

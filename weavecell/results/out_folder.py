@@ -32,6 +32,7 @@ from weavecell.results.file_list import FileList
 Parameters = ParamSpec("Parameters")
 Returned = TypeVar("Returned")
 
+RUNS = "runs"  # folder of a study, with a file for each run that is done
 LOCK = ".weavecell-lock"
 # state of a run that has not ended, which the run takes away itself
 CHECKPOINTS = "checkpoint*.h5"
@@ -140,8 +141,9 @@ def claim(
         files.watchers.append(_list_file)
     _held[place] = Claim(descriptor, made, known, resume=resume)
     try:
-        for within in {"", *(str(Path(name).parent) for name in names)}:
-            if "*" not in within:
+        # a name is that of a file or of a folder of files; studies keep their runs besides
+        for within in {"", RUNS, *names, *(str(Path(name).parent) for name in names)}:
+            if "*" not in within and (place / within).is_dir():
                 files.remove_unfinished(place / within)
         _add_names(folder, place, names)
         if resume and (known.inputs or not digests):
