@@ -91,15 +91,3 @@ def test_what_cannot_choose_refuses_it():
         wc.impact("S-726", "60 m/s", uncertainty=True, **SPHERE)
     with pytest.raises(InputError):
         wc.impact("S-726", "60 m/s", elements_per_crossover=2, **SPHERE)
-
-
-@pytest.mark.slow
-def test_a_limit_that_pinned_yarns_do_not_hold_is_searched_again():
-    some = {"tolerance": "20 m/s", "scan": False, "residual_shots": 0}
-    limit = wc.critical_velocity("S-726", **some, **SPHERE)
-    assert "yarns resolved: at " in limit.headline[1]
-    assert "the limit of pinned ones" in limit.chosen
-    pinned = wc.critical_velocity(
-        "S-726", **some, **SPHERE | {"crossovers": "pinned", "zone": None}
-    )
-    assert limit.critical_velocity < 0.8 * pinned.critical_velocity
