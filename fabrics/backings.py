@@ -1,47 +1,24 @@
 """Backings by name: modelling clay and ballistic gelatine (`backings.toml`).
 
-An entry holds keys of the table [backing] of an input file as they would be written there ("0.1
+`TABLES` has keys of the table [backing] of an input file as they would be written there ("0.1
 MPa"; a number where there is no unit), each with its source and status.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import unknown_name
-from fabrics.base.files import read_data
-from fabrics.materials import Isotropic, of_table, plain, read_table
+from fabrics.base.sourced import SourcedTables, assumed_of, plain
+from fabrics.materials import UNITS, Isotropic, of_table, read_table
 
 _FILE = Path(__file__).with_name("backings.toml")
 
-
-@cache
-def _data():
-    return read_data(_FILE)["backing"]
-
-
-def list_names() -> tuple[str, ...]:
-    """Return the names of the backings, in the order of the file."""
-    return tuple(_data())
-
-
-def entry(
-    name: str, *, file: FilePath | None = None, key: str = "material"
-) -> Mapping[str, Mapping[str, str]]:
-    """Look up a backing: {key: value, source and status}.
-
-    Raises
-    ------
-    InputError : an unknown name; one line with the `file` and `key` that it is read from, and the
-        names there are
-    """
-    if name not in list_names():
-        raise unknown_name("backing", name, list_names(), file=file, key=key)
-    return _data()[name]
+TABLES = SourcedTables(_FILE, "backing", UNITS)
+list_names = TABLES.list_names
+entry = TABLES.entry
 
 
 def table(
@@ -56,7 +33,7 @@ def table(
 
     Raises
     ------
-    InputError : as `entry`
+    InputError : an unknown name
     """
     data: dict[str, Any] = {"material": name}
     for constant, row in entry(name, file=file, key=key).items():
@@ -71,7 +48,7 @@ def load(name: str) -> Isotropic:
     ------
     InputError : an unknown name
     """
-    return of_table(entry(name), _FILE)
+    return Isotropic(**TABLES.values(name, key="material"))
 
 
 def assumed_line(name: str, block: Isotropic) -> str:
@@ -83,8 +60,8 @@ def assumed_line(name: str, block: Isotropic) -> str:
         data = read_table("backing")
     own = of_table(data, _FILE)
     kept = []
-    for key, row in data.items():
-        if row["status"] == "assumed" and getattr(block, key) == getattr(own, key):
+    for key in assumed_of(data):
+        if getattr(block, key) == getattr(own, key):
             kept.append(key)
     constants = ", ".join(f"{key} {data[key]['value']}" for key in kept)
     return f"assumed: {constants or 'nothing'}, of the block of {name or 'the thesis'}"

@@ -11,20 +11,18 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, unknown_name
-from fabrics.base.files import read_data
+from fabrics.base.errors import InputError
 from fabrics.base.schema import read_toml
+from fabrics.base.sourced import Constants, SourcedTables
 from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
 # [-] a mass or a diameter that differs by more is of another projectile
 CLOSE = 0.1
-STATUSES = ("published", "nominal", "derived", "assumed")
 _OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
 # of a body of metal alone
 _OF_METAL = (
@@ -39,26 +37,16 @@ _OF_METAL = (
 )
 _OF_SHAPE = {"sphere": ("mass", "diameter"), "stl": ("mass", "edge_radius")}
 
-Entry = Mapping[str, Mapping[str, str]]  # {key: its value, source and status}
-
-
-@cache
-def _data():
-    return read_data(_FILE)
-
-
-def list_names() -> tuple[str, ...]:
-    """List the names of the projectiles, in the order of the file: kind by kind, from small to
-    large."""
-    return tuple(_data()["projectile"])
+TABLES = SourcedTables(_FILE, "projectile")
+list_names = TABLES.list_names
 
 
 def density() -> float:
     """Return the density [kg/m3] of the steel that all of them but the bullets are made of."""
-    return si(_data()["steel"]["density"]["value"], "kg/m^3")
+    return si(TABLES.content["steel"]["density"]["value"], "kg/m^3")
 
 
-def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tuple[str, Entry]:
+def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tuple[str, Constants]:
     """Look up a projectile by name, or by the path of its file from the folder of `file`: (shape,
     data).
 
@@ -78,11 +66,10 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
                 value = {"value": value}
             entries[key] = sole | value
         return shape, entries
-    known = list_names()
-    if name not in known:
+    near = None
+    if name not in list_names():
         near = _nearest_by_value(name)
-        raise unknown_name("projectile", name, known, file=file, key=key, near=near)
-    data = dict(_data()["projectile"][name])
+    data: dict[str, Any] = dict(TABLES.entry(name, file=file, key=key, near=near))
     return data.pop("shape"), data
 
 
@@ -96,7 +83,7 @@ def _nearest_by_value(name):
     if number.startswith(".") and not unit:
         unit = "inch"
     off = {}
-    for other, data in _data()["projectile"].items():
+    for other, data in TABLES.content["projectile"].items():
         if other.split()[0].lower() != name.split()[0].lower():
             continue
         for key, si_unit in (("mass", "kg"), ("diameter", "m")):

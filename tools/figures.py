@@ -8,6 +8,7 @@ reports are drawn by `make docs`.
 
 import argparse
 import subprocess
+import warnings
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,6 +18,7 @@ from PIL import Image
 
 import weavecell as wc
 from fabrics.base.files import replace_whole, write
+from weavecell.report import pictures_body, pictures_figure
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 COUPONS = Path(__file__).parents[1] / "examples" / "coupons"
@@ -79,6 +81,21 @@ def coupons(_):
         keep(Path(folder) / "biaxial" / "pictures" / "energy.png", "energy-S-731.png")
 
 
+def bullets(_):
+    """Draw the bullets that have a name."""
+    drawn = {}
+    for name, row in wc.projectiles().iterrows():
+        core, _, jacket = row["metal"].partition(" in ")
+        with warnings.catch_warnings(action="ignore"):  # notes of what is assumed of the metals
+            shot = wc.setup("S-720", "100 m/s", projectile={"name": name}).projectile
+        if shot.turned is not None:
+            drawn[name] = shot.turned, core, jacket
+    with pictures_figure.plots() as pyplot, TemporaryDirectory() as folder:
+        path = Path(folder) / "bullets.png"
+        pictures_body.drawings(pyplot, drawn).savefig(path)
+        keep(path, path.name)
+
+
 def keep(source, name, folder=FIGURES):
     """Copy a picture to the figures."""
     write(folder / name, source.read_bytes())
@@ -103,6 +120,7 @@ def reports(_):
 
 MAKERS = {
     "demo": from_demo,
+    "bullets": bullets,
     "coupons": coupons,
     "impact": impact,
     "report": report,

@@ -12,13 +12,14 @@ from weavecell.cli.from_signature import _SECTION, unpack_keywords
 _ENTRY = re.compile(r"^(\*{0,2}\w[\w, ]*) : (.*(?:\n +.*)*)", re.MULTILINE)
 
 SECTIONS = {
-    "Fabrics, projectiles, backings": (
+    "Fabrics, projectiles, metals, backings": (
         "fabrics",
         "fabric",
         "new_fabric",
         "new_shot",
         "show",
         "projectiles",
+        "metals",
         "backings",
     ),
     "Shots": (

@@ -25,6 +25,7 @@ import numpy as np
 from fabrics import metals
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.sourced import assumed_of
 from fabrics.metals import Metal
 from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.bar import Bar
@@ -254,11 +255,8 @@ class Projectile:
                 f"densities of its metals are multiplied by {factor:.4f}"
             )
         for name in dict.fromkeys((self.core or "lead", self.jacket)):
-            if isinstance(name, str):
-                data = metals.entry(name)
-                kept = [key for key, row in data.items() if row["status"] == "assumed"]
-                if kept:
-                    lines.append(f"assumed of {name}: {', '.join(kept)} (fabrics/metals.toml)")
+            if isinstance(name, str) and (kept := assumed_of(metals.entry(name))):
+                lines.append(f"assumed of {name}: {', '.join(kept)} (fabrics/metals.toml)")
         return tuple(lines)
 
     @property

@@ -64,6 +64,7 @@ GROUPS = {
         f"fabrics new new.toml --from {ROOT}/examples/fabrics/mine.csv",
         "new shot.toml",
         "projectiles list",
+        "metals list",
         "backings list",
         "impact ply.toml --out ply",
         "impact pack.toml --out pack",

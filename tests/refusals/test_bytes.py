@@ -175,7 +175,14 @@ def test_brackets_of_a_text_are_printed_as_they_are(source):
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp437", "cp1252", "utf-8"])
 def test_what_a_terminal_cannot_print_is_replaced(command, monkeypatch, encoding):
-    for words in ("show S-720", "fabrics list", "projectiles list", "backings list", "v50 --help"):
+    for words in (
+        "show S-720",
+        "fabrics list",
+        "projectiles list",
+        "metals list",
+        "backings list",
+        "v50 --help",
+    ):
         written = io.BytesIO()
         with monkeypatch.context() as other:
             stream = io.TextIOWrapper(written, encoding=encoding)

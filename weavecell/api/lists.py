@@ -1,30 +1,44 @@
-"""Fabrics, projectiles and backings by name, a new fabric file, and a look at results."""
+"""Fabrics, projectiles, metals and backings by name, a new fabric file, and a look at results."""
 
 from __future__ import annotations
 
 import logging
 import shutil
 from html import escape
-from math import isnan
+from math import isnan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fabrics import assumed, catalogue, data_sheet
 from fabrics import backings as backing_data
+from fabrics import metals as metal_data
 from fabrics import projectiles as projectile_data
 from fabrics.base import files
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, unknown_name
-from fabrics.base.schema import read_toml
+from fabrics.base.errors import InputError, placed, unknown_name
+from fabrics.base.schema import read_toml, validated
+from fabrics.base.sourced import assumed_of
 from fabrics.base.units import si
 from fabrics.fabric_tables import FIBRES
 from weavecell import scenes
 from weavecell.api import quantities
+from weavecell.scenes import build
+from weavecell.scenes.impact import ProjectileTable
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-__all__ = ["Tables", "backings", "fabrics", "new_fabric", "new_shot", "projectiles", "show", "view"]
+__all__ = [
+    "Tables",
+    "backings",
+    "fabrics",
+    "metals",
+    "new_fabric",
+    "new_shot",
+    "projectiles",
+    "show",
+    "view",
+]
 
 
 class Tables(dict[str, "DataFrame"]):
@@ -141,17 +155,47 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
     rows = {}
     for name in projectile_data.list_names():
         shape, data = projectile_data.entry(name)
-        diameter = data["diameter"]
+        metals = [data[key]["value"] for key in ("core", "jacket") if key in data]
         rows[name] = {
             "nose": shape,
             "mass [g]": 1e3 * si(data["mass"]["value"], "kg"),
-            "diameter [mm]": 1e3 * si(diameter["value"], "m"),
+            "diameter [mm]": 1e3 * si(data["diameter"]["value"], "m"),
         }
         # a sphere has no length
         if "length" in data:
             rows[name]["length [mm]"] = 1e3 * si(data["length"]["value"], "m")
-        rows[name]["status of the diameter"] = diameter["status"]
+        rows[name]["metal"] = " in ".join(metals) or "steel, rigid"
+        assumed_keys = [key for key in assumed_of(data) if key != "mass_tolerance"]
+        rows[name]["assumed"] = ", ".join(assumed_keys).replace("_", " ") or "nothing"
     return _tabulate("projectile", rows, out)
+
+
+def metals(*, out: FilePath | None = None) -> DataFrame:
+    """List the metals that core and jacket of a projectile may name, a row each.
+
+    Parameters
+    ----------
+    out : also write it as this CSV file; never over one that exists
+
+    Examples
+    --------
+    >>> wc.metals().index[0]
+    'lead'
+    """
+    rows = {}
+    for name in metal_data.list_names():
+        metal = metal_data.load(name)
+        rows[name] = {
+            "density [kg/m³]": metal.density,
+            "modulus [GPa]": metal.modulus / 1e9,
+            "yield stress [MPa]": metal.yield_stress / 1e6,
+            "hardening [MPa]": metal.hardening / 1e6,
+            "hardening exponent": metal.hardening_exponent,
+            "rate coefficient": metal.rate_coefficient,
+            "failure strain": metal.failure_strain,
+            "status of the yield stress": metal_data.entry(name)["yield_stress"]["status"],
+        }
+    return _tabulate("metal", rows, out)
 
 
 def backings(*, out: FilePath | None = None) -> DataFrame:
@@ -193,13 +237,14 @@ def _tabulate(kind, rows, out):
 
 
 def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
-    """Show a fabric, a projectile or a backing: what follows from its data, and where each number
-    comes from.
+    """Show a fabric, a projectile, a metal or a backing: what follows from its data, and where each
+    number comes from.
 
     Parameters
     ----------
     name : of one of the lists, or the path of a file of a fabric or of a projectile
-    out : of a fabric, also copy its data file to this folder, to start your own from
+    out : folder to write to: of a fabric its data file, to start your own from; of a projectile of
+        metal its drawing
 
     Raises
     ------
@@ -211,21 +256,28 @@ def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
     FSP 1.10 g, ...
     """
     text = str(name)
-    known = [*catalogue.list_names(), *projectile_data.list_names(), *backing_data.list_names()]
+    known = [*catalogue.list_names()]
+    for data in (projectile_data, metal_data, backing_data):
+        known += data.list_names()
     if text not in known and not text.endswith(".toml"):
         raise unknown_name("name", text, known, key="name")
-    if text in backing_data.list_names():
-        tables = Tables({text: _sources(backing_data.entry(text))})
-    elif text in projectile_data.list_names() or _is_of_a_projectile(text):
-        tables = _projectile(text)
-    else:
-        tables = _fabric(text)
-        if out is not None:
-            _copy(text, Path(out))
-            return tables
+    for data in (metal_data, backing_data):
+        if text in data.list_names():
+            _refuse_folder(out)
+            return Tables({text: _sources(data.entry(text))})
+    if text in projectile_data.list_names() or _is_of_a_projectile(text):
+        return _projectile(text, out)
+    tables = _fabric(text)
     if out is not None:
-        raise InputError(key="out", value=str(out), allowed="left out unless a fabric is shown")
+        _copy(text, Path(out))
     return tables
+
+
+def _refuse_folder(out):
+    """Refuse the folder of a look at something that nothing is written of."""
+    if out is not None:
+        allowed = "left out unless a fabric or a projectile of metal is shown"
+        raise InputError(key="out", value=str(out), allowed=allowed)
 
 
 def _is_of_a_projectile(name):
@@ -234,15 +286,67 @@ def _is_of_a_projectile(name):
     return name.endswith(".toml") and "diameter" in read_toml(name, what="fabric")[1]
 
 
-def _projectile(name):
-    """Where each number of a projectile comes from."""
+def _projectile(name, out):
+    """What follows from the data of a projectile, and where each number comes from, those of its
+    metals too; the drawing of a projectile of metal goes to the folder `out`."""
+    from pandas import DataFrame
+
     from shellfabric.projectile.shapes import SHAPES
 
     shape, data = projectile_data.entry(name)
     title = f"{name}, {SHAPES[shape].words}"
-    if name in projectile_data.list_names() and "core" not in data:
-        title += f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
-    return Tables({title: _sources(data)})
+    if "core" not in data:
+        _refuse_folder(out)
+        if name in projectile_data.list_names():
+            title += f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
+        return Tables({title: _sources(data)})
+    body = _body_of(name)
+    if out is not None:
+        # a name such as .22 LR would make a hidden file
+        stem = Path(name).name.removesuffix(".toml").lstrip(".")
+        _draw(stem, body, data, Path(out) / f"{stem}.png")
+    following = DataFrame(_drawn_rows(body), columns=["quantity", "value"])
+    tables = Tables({f"{title}: what follows": following.set_index("quantity")})
+    tables[f"{title}: where each number comes from"] = _sources(data)
+    for key in ("core", "jacket"):
+        metal = data.get(key, {}).get("value")
+        if metal in metal_data.list_names():
+            tables[f"{key}, {metal}"] = _sources(metal_data.entry(metal))
+    return tables
+
+
+def _body_of(name):
+    """The Projectile of a name, or of the path of a file."""
+    table = projectile_data.table(name) | {"strike_velocity": "1 m/s"}
+    file = name if name.endswith(".toml") else None
+    with placed(file):
+        return build.make_projectile(validated(ProjectileTable, table, file))
+
+
+def _draw(name, body, data, target):
+    """Draw a projectile of metal at rest as a PNG file; never over one that is there."""
+    from weavecell.report import pictures_body, pictures_figure
+
+    files.refuse_existing(target)
+    core, jacket = (data.get(key, {}).get("value", "") for key in ("core", "jacket"))
+    with pictures_figure.plots() as pyplot, files.write_whole(target, "wb") as file:
+        figure = pictures_body.drawings(pyplot, {name: (body.turned, core, jacket)})
+        figure.savefig(file, format="png")
+    logging.getLogger("weavecell").info(f"written to {target}")
+
+
+def _drawn_rows(body):
+    """(quantity, value) of the drawing of a projectile of metal."""
+    drawing = body.turned
+    masses = drawing.element_masses
+    off = 100 * (drawing.density_factor - 1)
+    rows = [("mass of the drawing", f"{1e3 * drawing.drawn_mass:.3f} g, given {off:+.1f} %")]
+    if drawing.jacket is not None:
+        rows.append(("mass of the jacket", f"{1e3 * masses[drawing.jacketed].sum():.3f} g"))
+    area = pi * drawing.radius**2
+    rows.append(("mass over the area of its cross-section", f"{1e-1 * body.mass / area:.3f} g/cm²"))
+    rows.append(("elements of its mesh", str(len(masses))))
+    return rows
 
 
 def _fabric(name):
@@ -269,11 +373,16 @@ def _fabric(name):
 
 
 def _sources(data):
-    """A row a number: its value, status and source."""
+    """A row a number: its value with its range, status and source."""
     from pandas import DataFrame
 
-    table = DataFrame.from_dict(dict(data), orient="index")[["value", "status", "source"]]
-    return table.rename_axis("key").astype(str)
+    rows = {}
+    for key, row in data.items():
+        rows[key] = {"value": row["value"], "status": row["status"], "source": row["source"]}
+        if "range" in row:
+            low, high = row["range"]
+            rows[key]["value"] += f" ({low} .. {high})"
+    return DataFrame.from_dict(rows, orient="index").rename_axis("key").astype(str)
 
 
 def _assumptions(plain, whole):

@@ -63,6 +63,7 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "fabrics list": (api.fabrics, ""),
     "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
     "projectiles list": (api.projectiles, ""),
+    "metals list": (api.metals, ""),
     "backings list": (api.backings, ""),
 }
 # functions that forecast what a command takes, which its option --check calls
@@ -73,6 +74,7 @@ GROUPS = {
     "reduce": ("Records of a laboratory, reduced.", "shot flight.csv --mass '3 g'"),
     "fabrics": ("The fabrics of the catalogue.", "list"),
     "projectiles": ("The projectiles by name.", "list"),
+    "metals": ("The metals of projectiles by name.", "list"),
     "backings": ("The backings by name.", "list"),
 }
 

@@ -1,18 +1,20 @@
-"""Plots of an elastic projectile and of the block behind a panel, from results in SI units to
+"""Plots of a projectile that deforms and of the block behind a panel, from results in SI units to
 matplotlib figures."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report.pictures_style import BLUE, FAINT, INK, RED
+from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, RED, STEEL
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
     from shellfabric.metal.body import MetalHistory
     from shellfabric.projectile.dynamics import BarHistory
+    from shellfabric.projectile.turned import Turned
 
 # [m] the cut is shown at least this far to either side
 _AT = 24e-3
@@ -51,8 +53,6 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
     ----------
     body : shellfabric.metal.body.MetalHistory
     """
-    from matplotlib.collections import PolyCollection
-
     figure, (rest, end, side) = pyplot.subplots(
         1, 3, figsize=(10.4, 4.8), width_ratios=(1, 1, 1.4), layout="constrained"
     )
@@ -64,18 +64,19 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
         (end, "at the end", body.places, body.plastic),
     )
     for axes, title, places, strain in shown:
-        corners = MM * places[body.corners]
-        corners[..., 1] -= MM * places[:, 1].max()
-        for way in (1, -1):
-            drawn = PolyCollection(corners * [way, 1], cmap="YlOrBr", lw=0.4, clim=(0, most))
-            drawn.set_array(strain)
-            drawn.set_edgecolor([INK if jacketed else FAINT for jacketed in body.jacketed])
-            axes.add_collection(drawn)
+        drawn = _cut_open(axes, places, body.corners, body.jacketed)
+        for half in drawn:
+            half.set(cmap="YlOrBr", clim=(0, most), array=strain)
         axes.set(xlim=(-wide, wide), ylim=(-1.05 * long, 0.05 * long), aspect="equal")
         axes.set(title=title, xlabel="r [mm]")
     rest.set(ylabel="along the axis [mm]")
     figure.colorbar(
-        drawn, ax=(rest, end), label="plastic strain [-]", location="bottom", shrink=0.7, aspect=40
+        drawn[0],
+        ax=(rest, end),
+        label="plastic strain [-]",
+        location="bottom",
+        shrink=0.7,
+        aspect=40,
     )
     t = US * body.t
     side.plot(t, body.tip_velocity, color=RED, lw=1.0, label="tip")
@@ -84,6 +85,51 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
     side.set(xlabel="time after strike [µs]", ylabel="velocity [m/s]")
     side.legend(loc="best")
     return figure
+
+
+def drawings(pyplot: Any, bodies: Mapping[str, tuple[Turned, str, str]]) -> Any:
+    """Draw projectiles of metal at rest in one scale, cut along their axes, with mesh and measures.
+
+    Parameters
+    ----------
+    bodies : {title: (Turned, name of the metal of its core, of its jacket or "")}
+    """
+    from matplotlib.patches import Patch
+
+    drawn = [body for body, _, _ in bodies.values()]
+    wide = MM * max(body.radius for body in drawn)
+    long = MM * max(body.length for body in drawn)
+    tall = 1.7 + 2.5 * 1.1 * long / (2.6 * wide)
+    figure, all_axes = pyplot.subplots(1, len(bodies), figsize=(3.4 * len(bodies), tall))
+    for axes, (title, (body, core, jacket)) in zip(np.ravel(all_axes), bodies.items()):
+        for half in _cut_open(axes, body.places, body.corners, body.jacketed):
+            half.set_facecolor([ORANGE if jacketed else STEEL for jacketed in body.jacketed])
+            half.set_edgecolor("white")
+        keys = [Patch(color=STEEL, label=core)]
+        if jacket:
+            keys.append(Patch(color=ORANGE, label=f"{jacket}, {MM * body.jacket_thickness:.2g} mm"))
+        axes.set(xlim=(-1.3 * wide, 1.3 * wide), ylim=(-1.05 * long, 0.05 * long), aspect="equal")
+        axes.set(xlabel="r [mm]", ylabel="along the axis [mm]")
+        measures = f"{2 * MM * body.radius:.4g} x {MM * body.length:.4g} mm"
+        axes.set_title(f"{title}\n{measures}, {1e3 * body.drawn_mass:.4g} g", fontsize=12)
+        axes.legend(handles=keys, loc="upper center", bbox_to_anchor=(0.5, -0.13))
+    return figure
+
+
+def _cut_open(axes, places, corners, jacketed):
+    """Add the elements of a body of metal to `axes`, cut along its axis, its tip at 0 and above; the
+    two halves, with the elements of the jacket framed."""
+    from matplotlib.collections import PolyCollection
+
+    elements = MM * places[corners]
+    elements[..., 1] -= MM * places[:, 1].max()
+    halves = []
+    for way in (1, -1):
+        half = PolyCollection(elements * [way, 1], lw=0.4)
+        half.set_edgecolor([INK if framed else FAINT for framed in jacketed])
+        axes.add_collection(half)
+        halves.append(half)
+    return halves
 
 
 def crater(pyplot: Any, blocks: Any) -> Any:

@@ -22,11 +22,12 @@ from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage
 from weavecell.scenes import stl_file
 from weavecell.scenes.fabric_table import FabricTable, InlineLaw
-from weavecell.scenes.impact import Scene
+from weavecell.scenes.impact import ProjectileTable, Scene
 from weavecell.scenes.words import shot_in_words
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup, Ply
+    from shellfabric.projectile.projectile import Projectile
 
 # the command line prints the lines of this log
 LOG = logging.getLogger("weavecell")
@@ -434,13 +435,25 @@ def _build_yarn_zone(table):
 
 def _projectile(table, fabric):
     """The Projectile of a table, with the friction that is assumed of the fabric."""
+    given = {}
+    if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
+        given["friction"] = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE].value
+    return make_projectile(table, **given)
+
+
+def make_projectile(table: ProjectileTable, **changes: Any) -> Projectile:
+    """Make the projectile of a table [projectile].
+
+    Parameters
+    ----------
+    changes : fields of the projectile in place of those of the table
+    """
     from shellfabric.projectile.projectile import Projectile
 
     given = _collect_given(
         table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density"
     )
-    if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
-        given["friction"] = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE].value
+    given |= changes
     # a body of any shape has its radius and length from its surface
     if table.shape != "stl":
         return Projectile(radius=table.diameter / 2, **given)

@@ -57,7 +57,7 @@ def test_inputs_print_in_a_few_lines_and_lists_are_tables():
     assert len(repr(wc.fabric("S-720"))) < 160
     assert re.search(r"strike_velocity=150,\n.*\bplies=4\)", setup, re.DOTALL)
     assert "numerics" not in setup  # which have their defaults
-    for table in (wc.fabrics(), wc.projectiles(), wc.backings()):
+    for table in (wc.fabrics(), wc.projectiles(), wc.metals(), wc.backings()):
         assert all(f"<th>{name}</th>" in table._repr_html_() for name in table.index)
 
 

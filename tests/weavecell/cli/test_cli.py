@@ -10,7 +10,7 @@ import pytest
 import typer
 
 import weavecell
-from fabrics import backings, catalogue, projectiles
+from fabrics import backings, catalogue, metals, projectiles
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.cli import app, from_signature
@@ -141,6 +141,8 @@ def test_the_log_is_plain_whatever_a_library_sets_up():
             projectiles,
             ["FSP 1.10 g", "chisel", "1.1", "5.46", "6.16"],
         ),
+        ("projectiles", projectiles, ["9 mm FMJ 8.0 g", "lead-antimony in gilding metal"]),
+        ("metals", metals, ["OFHC copper", "8960", "124", "90", "second-hand"]),
         ("backings", backings, ["Roma Plastilina No. 1"]),
     ],
 )
@@ -207,3 +209,45 @@ def test_a_scene_that_is_not_text(command, tmp_path):
         "",
         "error: scene.toml: line 1 is not UTF-8 text; save it with the encoding UTF-8 (Notepad and other editors)\n",
     )
+
+
+def test_show_of_a_bullet_has_its_metals_and_draws_it(command, succeed, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    out = succeed("show '.44 Magnum SJHP 15.6 g' --out .")
+    # the drawing has no name of a hidden file
+    assert (tmp_path / "44 Magnum SJHP 15.6 g.png").stat().st_size > 10_000
+    words = (
+        "mass of the drawing",
+        "mass of the jacket",
+        "core, lead-antimony",
+        "jacket, gilding metal",
+    )
+    assert all(word in out for word in words)
+    for name in ("lead-antimony", "gilding metal"):
+        for key, row in metals.entry(name).items():
+            span = f"{row['value']} ({row['range'][0]} .. {row['range'][1]})"
+            assert any(line.startswith(key) and span in line for line in out.splitlines())
+    code, _, err = command("show '.44 Magnum SJHP 15.6 g' --out .")
+    assert (code, err) == (2, "error: 44 Magnum SJHP 15.6 g.png: exists already\n")
+
+
+OWN_BULLET = """body = "metal"
+shape = "flat"
+mass = "{}"
+diameter = "8 mm"
+length = "10 mm"
+edge_radius = "0.2 mm"
+core = "OFHC copper"
+"""
+
+
+def test_show_of_a_bullet_in_a_file_says_how_its_mass_differs(command, succeed, tmp_path):
+    (tmp_path / "mine.toml").write_text(OWN_BULLET.format("4.6 g"))
+    out = succeed("show mine.toml")
+    # 8960 kg/m3 x pi/4 x (8 mm)^2 x 10 mm = 4.504 g; the mesh leaves the rounded edge
+    assert "4.504 g, given +2.1 %" in out
+    assert "core, OFHC copper" in out
+    (tmp_path / "mine.toml").write_text(OWN_BULLET.format("5 g"))
+    code, _, err = command("show mine.toml")
+    assert code == 2
+    assert err.startswith("error: mine.toml: mass = 0.005: must be that of the drawing")

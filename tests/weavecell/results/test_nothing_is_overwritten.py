@@ -234,7 +234,7 @@ def test_a_folder_called_runs_keeps_what_is_in_it(command, tmp_path):
     assert (tmp_path / "panel/photo.png").read_text() == "mine"
 
 
-@pytest.mark.parametrize("kind", ["fabrics", "projectiles", "backings"])
+@pytest.mark.parametrize("kind", ["fabrics", "projectiles", "metals", "backings"])
 def test_a_list_is_not_written_over_a_file(command, tmp_path, kind):
     (tmp_path / "mine.csv").write_text("mine")
     code, _, err = command(f"{kind} list --out mine.csv")
@@ -269,6 +269,7 @@ SINGLE_FILES = {
     "view": "view results --html S-720.html",
     "fabrics list": "fabrics list --out S-720.csv",
     "projectiles list": "projectiles list --out S-720.csv",
+    "metals list": "metals list --out S-720.csv",
     "backings list": "backings list --out S-720.csv",
 }
 

@@ -67,14 +67,6 @@ def test_a_bullet_has_the_mass_of_its_name_and_of_its_drawing(name):
     assert (rigid.shape, rigid.length, rigid.mass) == (body.shape, body.length, body.mass)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_each_number_of_a_projectile_has_a_source(name):
-    _, data = projectiles.entry(name)
-    assert all(
-        entry["source"] and entry["status"] in projectiles.STATUSES for entry in data.values()
-    )
-
-
 @pytest.mark.parametrize("name", OF_STEEL)
 def test_a_projectile_is_of_steel(name):
     """Within 1 %: facets have up to 0.3 % less volume, rounded edges up to 0.7 %, lengths three digits."""
