@@ -132,8 +132,13 @@ def _velocity_and_tension(setup: ImpactSetup) -> tuple[float, float]:
     return float(velocity), float(np.max(result.peak_tension))
 
 
-def _card_table(setup: ImpactSetup, law: Law) -> CellTable:
-    """A card's law in place of the cell: its nominal stresses over the range of the cell, none below 0."""
+def law_of_card(setup: ImpactSetup, law: str, match: str) -> Law:
+    """Fit the law of a material card, one of LAWS, to the cell of a set-up; `match` of `decks.cloth.MATCHES`."""
+    return LAWS[law].fit(Cloth(setup.cell()), match)
+
+
+def card_table(setup: ImpactSetup, law: Law) -> CellTable:
+    """Tabulate a card's law in place of the cell: its nominal stresses over the range of the cell, none below 0."""
     model: Any = setup.cell()
     x, y = (coefficients.grid(low, high, TABLE) for low, high in model.range())
     N = (
@@ -179,7 +184,7 @@ def card(
     """
     setup, table = _cell(fabric, velocity, cell)
     if law:
-        table = _card_table(setup, LAWS[law].fit(Cloth(setup.cell()), match))  # type: ignore[arg-type]
+        table = card_table(setup, law_of_card(setup, law, match))
     if finer:
         setup = mesh_uncertainty.finer(setup, table)
     result = run_impact(setup, table=table)
