@@ -1,11 +1,12 @@
 """The grid of a fabric panel with its projectile: lines, masses, edges, time step.
 
-Opening. The grid follows the yarns, and its middle is the impact point, or that of the opening if
-crossovers slide or a side is not clamped (`PanelGrid.grid_middle`). If the weave is at an angle to
-the sides of the opening, the opening is round, or its middle is not that of the grid, then the grid
-covers the opening, and its nodes on and beyond the edge are held: the fabric out there lies in the
-clamp. The clamped line is thus a staircase of crossovers, nowhere further from the edge than the
-diagonal of one element.
+Opening. The grid follows the yarns. Elements that are all alike have their middle in that of a
+straight opening, so that a panel is struck where it is aimed at, on a crossover or between
+crossovers. A graded grid, an oblique and a round one have a crossover at the impact point
+(`PanelGrid.grid_middle`). If the weave is at an angle to the sides of the opening, the opening is
+round, or its middle is not that of the grid, then the grid covers the opening, and its nodes on and
+beyond the edge are held: the fabric out there lies in the clamp. The clamped line is thus a
+staircase of crossovers, nowhere further from the edge than the diagonal of one element.
 
 Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter
 side, m the areal density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that
@@ -203,7 +204,7 @@ class PanelGrid:
             allowed = f"none, but a side 1/{given} in grading"
             raise InputError(key="elements_per_crossover", value=given, allowed=allowed)
         gripped = any(isinstance(side, boundary.Grip) for pair in self.supports for side in pair)
-        if gripped or self.grid_middle != self.impact_point:
+        if gripped or (not self._alike and self.grid_middle != self.impact_point):
             allowed = "clamped, free or a pull-in on a graded panel, clamped if it is struck off the middle"
             refuse(self, "boundary", allowed)
         for place, step, reach in zip(self._fine(), self.spacing, self.reach()):
@@ -288,11 +289,16 @@ class PanelGrid:
         wholes = (int(half + 1e-9) for half in self._half)
         return tuple(n * self.lines_per_crossover // self.finest for n in wholes)
 
+    @property
+    def _alike(self):
+        """Whether all elements are alike."""
+        return self.grading is None or len({side for _, side in self.grading}) == 1
+
     @cached_property
     def sides(self) -> tuple[FloatArray, ...] | None:
         """((ni,), (nj,)) [m] sides of the elements along warp and weft; None where all are
         alike."""
-        if self.grading is None or len({side for _, side in self.grading}) == 1:
+        if self.grading is None or self._alike:
             return None
         found = []
         for axis, (half, w) in enumerate(zip(self._half, self.weave.w)):
@@ -494,9 +500,10 @@ class PanelGrid:
     @cached_property
     def grid_middle(self) -> tuple[float, float]:
         """[m] of the crossover in the middle of the grid from the middle of the opening, along both
-        sides: that of the impact point, or where a side is not clamped 0, so that edges are lines
-        of the grid wherever it is struck."""
-        if boundary.is_clamped(self.boundary) or self.weave_angle or self.round:
+        sides: 0 where edges are lines of the grid wherever it is struck, else that of the impact
+        point."""
+        graded = not self._alike and boundary.is_clamped(self.boundary)
+        if graded or self.weave_angle or self.round:
             return self.impact_point
         return 0.0, 0.0
 

@@ -13,6 +13,7 @@ from panels import table
 from fabrics import catalogue
 from shellfabric.impact.setup import OPENING_ERROR, ImpactSetup
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.yarns.model import YarnZone
 from weavecell.decks import ls_dyna, model
 
 NAMES = catalogue.list_names()
@@ -68,15 +69,48 @@ def test_every_panel_has_its_opening(name, counts, sides, mesh, symmetry, bounda
         assert_allclose(mine, half, rtol=0, atol=1e-12)
 
 
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(st.floats(0.08, 0.3), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
-def test_a_graded_panel_struck_off_its_middle_has_its_opening(side, along, across):
-    """Its edges lie at different distances from the impact point, both on lines of the grid."""
-    struck = along * side, across * side
-    changes = {"opening": side, "impact_point": struck, "symmetry": "whole"}
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    side=st.floats(0.08, 0.3),
+    along=st.floats(-0.3, 0.3),
+    across=st.floats(-0.3, 0.3),
+    mesh=st.sampled_from([{}, {"elements_per_crossover": 1}, {"elements_per_crossover": 3}]),
+)
+def test_a_panel_struck_off_its_middle_has_its_edges_where_they_are_given(
+    side, along, across, mesh
+):
+    """Its edges lie at different distances from the impact point, all on lines of the grid."""
+    struck = np.array([along, across]) * side
+    changes = {"opening": side, "impact_point": tuple(struck), "symmetry": "whole"} | mesh
     setup = setup_of(table().model.fabric, **changes)
     panel = setup.panel(setup.plain_table())
     assert_allclose(panel.held_opening, side, rtol=1e-9)
+    for x, middle in zip(panel.lines(), struck):
+        for edge in (-0.5 * side, 0.5 * side):
+            assert np.abs(x + middle - edge).min() < 1e-9 * side
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    crossings=st.integers(6, 30),
+    spacings=st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
+    resolved=st.booleans(),
+)
+def test_a_panel_is_struck_where_it_is_aimed_at_on_the_weave(crossings, spacings, resolved):
+    """With elements that are all alike: pinned or resolved, a crossover lies in the middle of an opening of
+    an even number of spacings, and the others around it."""
+    spacing = 2 * np.array(table().model.fabric.weave.w)
+    crossings *= 2
+    changes = {"opening": tuple(crossings * spacing), "symmetry": "whole"}
+    changes |= {"impact_point": tuple(spacings * spacing), "elements_per_crossover": 1}
+    if resolved:
+        changes |= {"crossovers": YarnZone(half_width=np.inf), "cell_model": "compressible"}
+        assume(crossings > 2 * np.abs(spacings).max() + 12)
+    setup = setup_of(table().model.fabric, **changes)
+    panel = setup.panel(setup.plain_table())
+    for x, aim, step in zip(panel.lines(), spacings, spacing):
+        crossovers = x / step + aim
+        assert_allclose(crossovers, np.round(crossovers), atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +118,6 @@ def test_a_graded_panel_struck_off_its_middle_has_its_opening(side, along, acros
     [
         {"round": True},
         {"weave_angle": 0.5, "symmetry": "whole"},
-        {"impact_point": (0.011, 0.0), "symmetry": "whole", "elements_per_crossover": 1},
     ],
 )
 def test_an_edge_that_follows_yarns_is_told(changes):
