@@ -45,7 +45,7 @@ SECTIONS = {
         "crossover.pull_out",
         "surface",
     ),
-    "Files and pictures": ("export", "view", "load", "overlay"),
+    "Files and pictures": ("export", "view", "load", "overlay", "cite"),
 }
 
 

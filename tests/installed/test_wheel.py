@@ -67,6 +67,7 @@ GROUPS = {
         "metals list",
         "backings list",
         "impact ply.toml --out ply",
+        "cite ply --out ply.bib",
         "impact pack.toml --out pack",
         "impact accuracy.toml --out accuracy",
         "coupon coupon.toml --out coupon",

@@ -10,6 +10,7 @@ from fabrics.base.errors import DoubtfulResult, InputError, UndecidedError, Unst
 from weavecell.api import (
     biaxial_paths,
     calibration,
+    citations,
     comparison,
     coupons,
     crossover,
@@ -31,6 +32,7 @@ from weavecell.api import (
 )
 from weavecell.api.biaxial_paths import *
 from weavecell.api.calibration import *
+from weavecell.api.citations import *
 from weavecell.api.comparison import *
 from weavecell.api.coupons import *
 from weavecell.api.crossover_result import *
@@ -59,6 +61,7 @@ __all__ = [
 ]
 __all__ += biaxial_paths.__all__
 __all__ += calibration.__all__
+__all__ += citations.__all__
 __all__ += laboratory_tests.__all__
 __all__ += comparison.__all__
 __all__ += coupons.__all__

@@ -58,6 +58,7 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
     "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
     "show": (api.show, "S-720"),
+    "cite": (api.cite, "results/S-720-stops"),
     "view": (api.view, "results/S-720-stops --screenshot panel.png"),
     "new": (api.new_shot, "shot.toml"),
     "fabrics list": (api.fabrics, ""),

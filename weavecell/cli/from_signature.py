@@ -72,7 +72,7 @@ def command(
             parameters.append(parameter)
     parameters += unpack_keywords(function, meanings)
     returns = inspect.signature(function).return_annotation
-    has_checks = returns not in ("None", "DataFrame", "Tables")
+    has_checks = returns not in ("None", "DataFrame", "Tables", "Citations")
 
     def call(strict: bool = False, **values: Any) -> None:
         if has_checks and "out" in values and values["out"] is None:
@@ -225,7 +225,9 @@ def _parameter(parameter, meaning):
         settings["metavar"] = metavar or name.upper()
         left_out = parameter.empty
         if name in ("target", "other"):
-            if "fabric" in meaning:
+            if "folder" in meaning:
+                settings["metavar"] = "FILE|FOLDER|FABRIC"
+            elif "fabric" in meaning:
                 settings["metavar"] = "FILE|FABRIC"
             else:
                 settings["metavar"] = "FILE"

@@ -214,7 +214,7 @@ def sources(*fabrics: Fabric) -> Section:
 
 
 def making(
-    stamp: Mapping[str, str], timings: Mapping[str, float], more: tuple[Table, ...] = ()
+    stamp: Mapping[str, Any], timings: Mapping[str, float], more: tuple[Table, ...] = ()
 ) -> Section:
     """Tell how the page was made: times, further tables, versions, machine and scene; folded."""
     tables = [*more]
@@ -222,7 +222,8 @@ def making(
         times = tuple((name, f"{seconds:.1f}") for name, seconds in timings.items())
         stages = Table(("stage", "wall time [s]"), times, numeric=("wall time [s]",))
         tables.insert(0, stages)
-    rows = tuple((key, value) for key, value in stamp.items() if key != "scene")
+    rows = tuple((key, value) for key, value in stamp.items() if isinstance(value, str))
+    rows = tuple((key, value) for key, value in rows if key != "scene")
     tables.append(Table(("what", "version or value"), rows))
     scene: tuple[tuple[str, str], ...] = ()
     if stamp["scene"]:
@@ -255,7 +256,7 @@ def report(
     fabrics: Sequence[Fabric],
     cards: Sequence[Card],
     sections: Iterable[Section],
-    stamp: Mapping[str, str],
+    stamp: Mapping[str, Any],
     seconds: Mapping[str, float],
     outcome: str = "",
     tone: str = "plain",

@@ -10,11 +10,13 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fabrics import __version__, assumed
+from weavecell.results import sources
 
 if TYPE_CHECKING:
+    from fabrics.compression import CompressionLaw
     from fabrics.fabric import Fabric
     from shellfabric.impact.setup import ImpactSetup
 
@@ -38,12 +40,18 @@ PACKAGES = (
 
 def stamp(
     scene_text: str = "", *fabrics: Fabric, setup: ImpactSetup | None = None
-) -> dict[str, str]:
+) -> dict[str, Any]:
     """Collect what a reader needs to repeat a run, as a flat dict of texts; of fabrics, also those
     of a set-up, which of their tables were assumed, and of a set-up its notes and what a projectile
-    from an STL file was."""
+    from an STL file was.
+
+    Beside the texts stands "sources", a list of (number, status, source) for `weavecell cite`.
+    """
+    laws: list[CompressionLaw] = []
     if setup is not None:
         fabrics = (*fabrics, *setup.fabrics)
+        for ply in setup.lay_up or (setup,):
+            laws += ply.laws or ()
     lines = []
     for fabric in fabrics:
         if fabric.assumed:
@@ -65,6 +73,7 @@ def stamp(
         "processor": f"{processor()}, {os.cpu_count()} cores",
         "threads": threads(),
         "scene": scene_text,
+        "sources": sources.list_sources(fabrics, laws, scene_text),
     }
 
 

@@ -265,6 +265,7 @@ def test_a_view_is_written_over_nothing(command, tmp_path, option, kind):
 SINGLE_FILES = {
     "show": "show S-720 --out .",
     "new": "new S-720.toml",
+    "cite": "cite S-720 --out S-720.bib",
     "fabrics new": "fabrics new S-720.toml --from tests.csv",
     "view": "view results --html S-720.html",
     "fabrics list": "fabrics list --out S-720.csv",
@@ -290,12 +291,13 @@ def test_the_walk_has_every_command():
 @pytest.mark.parametrize("words", SINGLE_FILES.values())
 def test_a_single_file_is_written_over_nothing(command, tmp_path, words):
     (tmp_path / "tests.csv").write_text(TESTS)
-    for ending in ("toml", "csv", "html"):
-        (tmp_path / f"S-720.{ending}").write_text("mine")
+    kept = [tmp_path / f"S-720.{ending}" for ending in ("toml", "csv", "html", "bib")]
+    for path in kept:
+        path.write_text("mine")
     code, _, err = command(words)
     assert code == 2
     assert err.endswith("exists already\n")
-    assert {(tmp_path / f"S-720.{end}").read_text() for end in ("toml", "csv", "html")} == {"mine"}
+    assert {path.read_text() for path in kept} == {"mine"}
 
 
 def test_every_file_is_written_by_one_function():
