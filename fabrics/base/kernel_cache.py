@@ -51,8 +51,6 @@ UNIT = re.compile(r"^(@unit\([^()]*\)\ndef (\w+)\([^()]*\):)", re.MULTILINE)
 CONSTANT = re.compile(r"^(([A-Z]\w*) = (?:[\d.e-]+|np\.uint64\(\d+\)))$", re.MULTILINE)
 # lines of comments and docstrings, and blank ones
 PROSE = re.compile(rb'^[ \t]*(?:#[^\n]*|"""(?:[^"]|"(?!""))*"""[ \t]*|)\n', re.MULTILINE)
-# [s] after so long a pause without compiling, kernels of the same folder are announced again
-PAUSE = 3.0
 # what a pickle that was cut short, or has other bytes in it, raises
 DAMAGED = (
     EOFError,
@@ -66,27 +64,39 @@ DAMAGED = (
     MemoryError,
     OverflowError,
 )
-# folders announced since the last pause
-_announced: set[str] = set()
-# [s] time at which something was compiled last
-_last = 0.0
+_announced: set[str] = set()  # folders of which the user has been told
+# compilations that go on, one inside another; [s] when the outermost began, and what all have taken
+_depth = 0
+_since = 0.0
+_spent = 0.0
 
 
 def compiling(module: str, done: bool = False) -> None:
-    """Announce that kernels of a module are compiled, once for those of a folder that are compiled
-    in one go.
+    """Announce that kernels of a module are compiled, once for all those of a folder, and take the
+    time.
 
     To be called before a kernel is compiled, and with `done` after it.
     """
-    global _last
-    if time.monotonic() > _last + PAUSE and not done:
-        _announced.clear()
-    _last = time.monotonic()
+    global _depth, _since, _spent
+    if done:
+        _depth -= 1
+        if _depth == 0:
+            _spent += time.monotonic() - _since
+        return
+    if _depth == 0:
+        _since = time.monotonic()
+    _depth += 1
     folder = module.rpartition(".")[0]
-    if folder in MODELS and folder not in _announced and not done:
+    if folder in MODELS and folder not in _announced:
         _announced.add(folder)
         what, duration = MODELS[folder]
         logging.getLogger("weavecell").warning(f"compiling the kernels of {what}, once: {duration}")
+
+
+def seconds_compiled() -> float:
+    """Return the time [s] that this process has spent on compiling kernels, which no forecast of a
+    run should count."""
+    return _spent
 
 
 def kernel(**options: Any) -> Callable[[Callable], Any]:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
+from fabrics.base import kernel_cache
 from fabrics.base.errors import UnstableError
 
 # [s] a stage that takes less shows no bar
@@ -55,7 +56,10 @@ class _Cell:
 @contextmanager
 def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
     """Show a bar for a stage, perhaps with an `estimate` of the time left; yields `advance(fraction
-    done, text="")`."""
+    done, text="")`.
+
+    The estimate counts no time in which kernels were compiled.
+    """
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     notebook = hasattr(shell, "kernel")
     # a bar redraws its line, which a file of a batch job would keep as thousands of lines
@@ -73,13 +77,20 @@ def bar(title: str, estimate: bool = True) -> Iterator[Callable[..., None]]:
         left = "<{remaining}"
     form = f"{{desc}}: {{percentage:.0f}} %{drawn} {{elapsed}}{left}{{postfix}}"
     look: dict[str, Any] = {"leave": shown, "delay": DELAY, "miniters": 0, "bar_format": form}
+    # the rate is the mean of the stage: of one that is still new, the last steps tell less
+    look["smoothing"] = 0
     if notebook:
         look |= {"file": _Cell(), "position": 0}
     elif not live:
         look |= {"file": _Log(), "mininterval": _EVERY}
     with tqdm(desc=title, total=1.0, **look) as meter:
+        counted = kernel_cache.seconds_compiled()
 
         def advance(fraction, text=""):
+            nonlocal counted
+            compiled = kernel_cache.seconds_compiled()
+            meter.start_t += compiled - counted
+            counted = compiled
             meter.set_postfix_str(text or "", refresh=False)
             meter.update(min(max(fraction, 0.0), 1.0) - meter.n)
 

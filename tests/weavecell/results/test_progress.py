@@ -1,0 +1,58 @@
+"""A progress bar forecasts from the time of the run alone, and each folder of kernels is announced once."""
+
+import io
+import logging
+import re
+import sys
+
+import pytest
+
+from fabrics.base import kernel_cache
+from weavecell.results import progress
+
+tqdm = pytest.importorskip("tqdm.std")
+MODULE = "shellfabric.membrane.some_kernels"
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A list with the time [s], which a test sets."""
+    now = [1000.0]
+    monkeypatch.setattr(kernel_cache.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(tqdm, "time", lambda: now[0])
+    return now
+
+
+def test_no_forecast_counts_the_compilation_of_kernels(clock, monkeypatch):
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress.bar("a shot") as advance:
+        clock[0] += 4.0
+        kernel_cache.compiling(MODULE)
+        clock[0] += 200.0
+        # an inner one goes on inside of the outer one
+        kernel_cache.compiling(MODULE)
+        clock[0] += 90.0
+        kernel_cache.compiling(MODULE, done=True)
+        kernel_cache.compiling(MODULE, done=True)
+        clock[0] += 6.0
+        advance(0.1)
+        assert re.findall(r"([\d:]+)<([\d:]+)", terminal.getvalue())[-1] == ("00:10", "01:30")
+        clock[0] += 10.0
+        advance(0.5)
+        assert re.findall(r"([\d:]+)<([\d:]+)", terminal.getvalue())[-1] == ("00:20", "00:20")
+
+
+def test_kernels_of_a_folder_are_announced_once(clock, monkeypatch, caplog):
+    monkeypatch.setattr(kernel_cache, "_announced", set())
+    with caplog.at_level(logging.WARNING, logger="weavecell"):
+        for pause in (0.5, 60.0, 3600.0):
+            clock[0] += pause
+            for module in (MODULE, "shellfabric.cell.other_kernels"):
+                kernel_cache.compiling(module)
+                kernel_cache.compiling(module, done=True)
+    assert [record.getMessage().partition(",")[0] for record in caplog.records] == [
+        "compiling the kernels of a ply",
+        "compiling the kernels of the unit cell",
+    ]
