@@ -85,8 +85,8 @@ def _of_scene(scene: Mapping[str, Any]) -> Iterator[Source]:
         yield from _of_rows(f"projectile {shot['name']}", named)
     for part in ("core", "jacket"):
         metal = shot.get(part, named.get(part, {}).get("value"))
-        if metal in metals.list_names():
-            yield from _of_rows(metal, metals.entry(metal))
+        if metal in metals.TABLES.list_names():
+            yield from _of_rows(metal, metals.TABLES.entry(metal))
     if "backing" in scene:
         material = scene["backing"].get("material")
         if material in backings.list_names():
