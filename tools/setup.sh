@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 
 python=${PYTHON:-/usr/bin/python3}
 venv=${VENV:-.venv}
-extras=${EXTRAS:-app,dev}
+extras=${EXTRAS:-app,dev} # KERNELS=--portable compiles for other processors too
 packages=(
   python3 python3-venv python3-dev gcc g++ libc6-dev      # dolfinx compiles its forms at the first use
   python3-dolfinx python3-petsc4py python3-gmsh python3-meshio python3-h5py python3-h5py-mpi
@@ -74,7 +74,7 @@ CHECK
   # what the first shot of a user would wait for
   if [ "$extras" != app,docs ]; then
     echo "setup: compiling the kernels of a ply and of packs, once: about a minute"
-    OMP_NUM_THREADS=1 "$venv/bin/python" tools/compile_kernels.py 2>/dev/null ||
+    OMP_NUM_THREADS=1 "$venv/bin/python" tools/compile_kernels.py ${KERNELS:-} 2>/dev/null ||
       echo "setup: the kernels were not compiled; the first run compiles them" >&2
   fi
   echo "$wanted" >"$stamp"

@@ -18,6 +18,7 @@ import ast
 import hashlib
 import logging
 import os
+import platform
 import re
 import tempfile
 import threading
@@ -43,6 +44,8 @@ MODELS = {
 # folders that define the named tuples which kernels take: their layout is part of every digest
 TUPLES = ("unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[2]
+# threads of a kernel that wait for each other sleep: those that spin take the time of other runs
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 # kernels import at the head of their file
 IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE)
 # a kernel that is compiled by itself (`shellfabric.jit.compile.units`): what its callers know of it
@@ -64,6 +67,10 @@ DAMAGED = (
     MemoryError,
     OverflowError,
 )
+# what an x86-64 processor has that runs code for x86-64-v3: nearly all since 2013
+OF_V3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave"}
+# LLVM's name of the least processor that portable code is for, by architecture
+COMMON = {"x86_64": "x86-64-v3", "AMD64": "x86-64-v3", "aarch64": "generic", "arm64": "generic"}
 _announced: set[str] = set()  # folders of which the user has been told
 # compilations that go on, one inside another; [s] when the outermost began, and what all have taken
 _depth = 0
@@ -132,7 +139,7 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
     before = config.CACHE_DIR
     locators = config.CACHE_LOCATOR_CLASSES
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
-    config.CACHE_DIR = str(folder / f"kernels-{_kernel_digest(file, root)}")
+    config.CACHE_DIR = str(folder / kernel_folder(file, root))
     config.CACHE_LOCATOR_CLASSES = f"{__name__}.KernelFolder,UserWideCacheLocator"
     files_of_numba = caching.IndexDataCacheFile
     caching.IndexDataCacheFile = _files()
@@ -188,15 +195,27 @@ class KernelFolder:
 
 @cache
 def _files():
-    """Return the class of numba's files of a kernel, changed in two ways.
+    """Return the class of numba's files of a kernel, changed in three ways.
 
     A file that was cut short counts as missing: the kernel is compiled again. Machine code is in a
     file that is named after the types that it is for. numba numbers these files, so that two
-    processes which compile for other types at the same time write over each other's code.
+    processes which compile for other types at the same time write over each other's code. Where
+    there is no code for this very processor, code for all processors of its kind is taken
+    (`tools/compile_kernels.py --portable`).
     """
     from numba.core import caching
 
+    common = _common_processor()
+
     class Files(caching.IndexDataCacheFile):
+        def load(self, key):
+            """Load the machine code of a key of numba: types, (triple, processor, features), code."""
+            found = super().load(key)
+            if found is None and common:
+                types, (triple, _, _), code = key
+                found = super().load((types, (triple, common, ""), code))
+            return found
+
         def _load_index(self):
             try:
                 return super()._load_index()
@@ -218,10 +237,23 @@ def _files():
     return Files
 
 
+def _common_processor() -> str:
+    """Return the name of the processor whose code runs on this one too; "" if there is none."""
+    from llvmlite.binding import get_host_cpu_features
+
+    name = COMMON.get(platform.machine(), "")
+    if name == "x86-64-v3":
+        features = get_host_cpu_features()
+        if not all(features.get(feature) for feature in OF_V3):
+            return ""
+    return name
+
+
 @cache
-def _kernel_digest(file: Path, root: Path) -> str:
-    """First 16 digits of the digest of a file's `kernel_sources`."""
-    return digest(kernel_sources(file, root))[:16]
+def kernel_folder(file: Path, root: Path = ROOT) -> str:
+    """Return the name of the folder of the kernels of a file: by 16 digits of the digest of its
+    `kernel_sources`."""
+    return f"kernels-{digest(kernel_sources(file, root))[:16]}"
 
 
 def digest(parts: Iterable[tuple[str, bytes]]) -> str:

@@ -151,14 +151,67 @@ def is_inside(path, name):
     return True
 
 
-def test_two_processes_that_compile_for_other_types_keep_their_code(tmp_path):
+HOST = ("x86_64-pc-linux-gnu", "here", "+avx512f")
+UNIFORM, GRADED = ((kind, HOST, ("code", "cells")) for kind in ("uniform", "graded"))
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """Make numba's files of one kernel in a folder, as another process would, on a processor whose
+    common one is given."""
+
+    def make(common=""):
+        monkeypatch.setattr(kernel_cache, "_common_processor", lambda: common)
+        kernel_cache._files.cache_clear()
+        return kernel_cache._files()(str(tmp_path), "kernel", "stamp")
+
+    yield make
+    kernel_cache._files.cache_clear()
+
+
+def test_two_processes_that_compile_for_other_types_keep_their_code(files, tmp_path):
     """Each has read the index before the other wrote it: numba gives both files one name."""
-    made = [kernel_cache._files()(str(tmp_path), "kernel", "stamp") for _ in range(2)]
-    made[0].save(("uniform", 1), "code of uniform")
+    made = [files() for _ in range(2)]
+    made[0].save(UNIFORM, "code of uniform")
     (tmp_path / "kernel.nbi").unlink()
-    made[1].save(("graded", 1), "code of graded")
-    graded = made[1].load(("graded", 1))
-    made[0].save(("uniform", 1), "code of uniform")
-    assert graded == made[0].load(("graded", 1)) == "code of graded"
-    assert made[1].load(("uniform", 1)) == "code of uniform"
+    made[1].save(GRADED, "code of graded")
+    graded = made[1].load(GRADED)
+    made[0].save(UNIFORM, "code of uniform")
+    assert graded == made[0].load(GRADED) == "code of graded"
+    assert made[1].load(UNIFORM) == "code of uniform"
     assert len(list(tmp_path.glob("*.nbc"))) == 2
+
+
+def test_code_for_all_processors_is_found_where_there_is_none_for_this_one(files):
+    """Only on a processor that runs it, only of the same types and code; its own code goes before."""
+    types, (triple, _, _), code = UNIFORM
+    files().save((types, (triple, "x86-64-v3", ""), code), "common")
+    old, new = files(), files("x86-64-v3")
+    assert old.load(UNIFORM) is None
+    assert new.load(UNIFORM) == "common"
+    for other in (GRADED, (types, HOST, ("changed", "cells")), (types, ("arm", "a", ""), code)):
+        assert new.load(other) is None
+    new.save(UNIFORM, "own")
+    assert new.load(UNIFORM) == "own"
+
+
+@pytest.mark.parametrize("lacks", [None, "avx2", "fma"])
+def test_an_old_processor_takes_no_code_for_newer_ones(monkeypatch, lacks):
+    features = {name: name != lacks for name in (*kernel_cache.OF_V3, "avx512f")}
+    monkeypatch.setattr("llvmlite.binding.get_host_cpu_features", lambda: features)
+    monkeypatch.setattr(kernel_cache.platform, "machine", lambda: "x86_64")
+    assert kernel_cache._common_processor() == ("" if lacks else "x86-64-v3")
+    monkeypatch.setattr(kernel_cache.platform, "machine", lambda: "riscv64")
+    assert kernel_cache._common_processor() == ""
+
+
+@pytest.mark.parametrize("chosen", [None, "active"])
+def test_threads_of_kernels_sleep_while_they_wait_unless_the_user_says_otherwise(chosen):
+    """Those of libgomp spin by default: a block took twice the CPU time beside other runs."""
+    code = "import os, fabrics.base.kernel_cache; print(os.environ['OMP_WAIT_POLICY'])"
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin"}
+    environment |= {"OMP_WAIT_POLICY": chosen} if chosen else {}
+    found = subprocess.run(
+        [sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True
+    ).stdout.strip()
+    assert found == (chosen or "passive")

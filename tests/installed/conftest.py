@@ -18,12 +18,15 @@ BUILD = "from setuptools.build_meta import build_sdist, build_wheel; build_wheel
 
 @pytest.fixture(scope="session")
 def built(shared):
-    """Folder with wheel and source distribution, built from a copy of the files, so that no earlier build gets in."""
+    """Folder with wheel and source distribution, built from a copy of the files, so that no earlier build gets in,
+    and of the kernels that are compiled."""
 
     def make(folder):
         for path in [*FILES, *map(Path, META)]:
             (folder / "source" / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / path, folder / "source" / path)
+        for kernels in ROOT.glob("*/__pycache__/kernels-*"):
+            shutil.copytree(kernels, folder / "source" / kernels.relative_to(ROOT))
         done = run_in(folder / "source", sys.executable, "-c", BUILD.format(str(folder)))
         assert done.returncode == 0, done.stdout + done.stderr
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from fabrics.base.kernel_cache import kernel_folder
 from tests.installed.conftest import META
 from tests.installed.packages import FILES, PACKAGES, ROOT
 from tests.scene_text import impact_scene
@@ -19,9 +20,8 @@ def test_wheel_and_source_distribution_hold_every_file(built):
     [wheel] = built.glob(f"weavecell-{fabrics.__version__}-py3-*.whl")
     [source] = built.glob("*.tar.gz")
     expected = {path.as_posix() for path in FILES}
-    assert {
-        name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name
-    } == expected
+    found = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    assert {name for name in found if "/__pycache__/kernels-" not in name} == expected
     with tarfile.open(source) as archive:
         assert expected | set(META) <= {name.partition("/")[2] for name in archive.getnames()}
 
@@ -35,6 +35,22 @@ def test_the_checkout_does_not_leak_into_the_environment(installed, tmp_path):
     paths = done.stdout.splitlines()[len(PACKAGES) :]
     assert all(Path(file).is_relative_to(installed.packages) for file in files)
     assert str(ROOT) not in paths
+
+
+def test_kernels_of_the_wheel_are_those_that_its_source_looks_for(installed, tmp_path):
+    """Whatever the place of the files; what the checkout has compiled is installed with them."""
+    code = (
+        "from fabrics.base.kernel_cache import ROOT, kernel_folder\n"
+        "for file in (ROOT / 'shellfabric').rglob('*.py'): print(kernel_folder(file, ROOT))"
+    )
+    looked_for = set(installed.run("python", "-c", code, at=tmp_path).stdout.split())
+    assert looked_for == {kernel_folder(file) for file in (ROOT / "shellfabric").rglob("*.py")}
+    for package in ("fabrics", "shellfabric"):
+        compiled = {path.name for path in (ROOT / package).glob("__pycache__/kernels-*/*.nbi")}
+        there = {
+            path.name for path in (installed.packages / package).glob("__pycache__/kernels-*/*.nbi")
+        }
+        assert compiled <= there
 
 
 PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"').replace(
