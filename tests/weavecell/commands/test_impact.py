@@ -20,7 +20,9 @@ from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
-LONG = {"body-armour"}
+SHORT = {"S-720-perforates"}
+# [s] of CPU time
+LONG = {"body-armour": 300, "hybrid-pack": 26, "S-728-accuracy": 18}
 UNSTABLE = "\n[numerics]\ncontact_damping = 30.0\n"
 
 
@@ -113,15 +115,21 @@ def test_an_unstable_run_keeps_what_it_computed(unstable):
     assert record.failure_message in page
 
 
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_can_be_run(succeed, example):
+    assert f"weavecell impact examples/{example.name}" in example.read_text()
+    assert "CPU time" in succeed(f"impact {example} --check")
+
+
 @pytest.mark.parametrize(
     "example",
     [
-        pytest.param(p, marks=pytest.mark.slow(300) if p.stem in LONG else (), id=p.stem)
+        pytest.param(p, marks=() if p.stem in SHORT else pytest.mark.slow(LONG.get(p.stem, 10)))
         for p in EXAMPLES
     ],
+    ids=lambda path: path.stem,
 )
 def test_examples_run(succeed, tmp_path, example):
-    assert f"weavecell impact examples/{example.name}" in example.read_text()
     succeed(f"impact {example} --out results")
     told = table_of(tmp_path / "results")
     assert told["outcome"] in ("stopped", "perforated")
