@@ -19,10 +19,17 @@ from contextlib import suppress
 from dataclasses import replace
 
 from fabrics.base.errors import InputError
-from fabrics.data_sheet import FAMILIES, FROM_THICKNESS, OF_SHOTS, crimps, entries
+from fabrics.data_sheet import (
+    FAMILIES,
+    FROM_THICKNESS,
+    OF_SHOTS,
+    crimps,
+    entries,
+    failure_length,
+)
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES, OF_YARNS
-from fabrics.families import Family, list_families
+from fabrics.families import Entry, Family, list_families
 from fabrics.families.trellis import LARGEST
 
 _SOFT_AT_HIGH = ("gamma1", "gamma2", "V_c")
@@ -273,6 +280,27 @@ def family_of(fabric: Fabric) -> Family | None:
     return named.for_other_yarns()
 
 
+def shot_entries(*fabrics: Fabric) -> dict[str, Entry]:
+    """Return what shots take for the numbers that no data sheet gives, by the names of
+    `data_sheet.OF_SHOTS`: of the fibre family, or of `data_sheet.toml`.
+
+    Of several fabrics it is the value of the first, in the range of all.
+    """
+    found: dict[str, Entry] = {}
+    families = list(map(family_of, fabrics)) or [None]
+    for name in OF_SHOTS:
+        usual = entries()[name]
+        of_each = [usual if of is None else of.shots.get(name, usual) for of in families]
+        first = of_each[0]
+        low = min(each.low for each in of_each)
+        high = max(each.high for each in of_each)
+        if (low, high) != (first.low, first.high):
+            written = f"{first.value:g} ({low:g} .. {high:g})"
+            first = replace(first, low=low, high=high, written=written)
+        found[name] = first
+    return found
+
+
 def laws(fabric: Fabric) -> list[str]:
     """Select from `lines` those that a quasi-static result follows from."""
     return lines(given(fabric, "failure_length", *OF_SHOTS))
@@ -290,8 +318,9 @@ def lines(fabric: Fabric) -> list[str]:
         wider = ", with wider ranges for another fibre"
     more = {"shear": ", its angles from width and spacing of the yarns"}
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
-    for key in ("failure_length", *OF_SHOTS):
-        words[key] = f"{key.replace('_', ' ')} {entries()[key].written}"
+    for key, entry in shot_entries(fabric).items():
+        words[key] = f"{key} {entry.written}"
+    words["failure_length"] = f"failure length {failure_length(fabric.weave).written}"
     lines = []
     # what is of a shot comes last
     for key in sorted(fabric.assumed, key=OF_SHOTS.__contains__):

@@ -15,6 +15,7 @@ thickness.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TypeAlias
@@ -47,6 +48,20 @@ NOTED = 0.01
 def entries() -> dict[str, Entry]:
     """Read `data_sheet.toml`: {name: Entry}."""
     return of_tables(read_data(Path(__file__).with_suffix(".toml")))
+
+
+def failure_length(weave: Weave) -> Entry:
+    """Return the assumed failure length [m] of a weave: at most its smallest yarn spacing, with the
+    ends in proportion."""
+    usual = entries()["failure_length"]
+    spacing = 1 / max(weave.warp_count, weave.weft_count)
+    share = min(1.0, spacing / usual.value)
+    if share == 1.0:
+        return usual
+    value, low, high = (share * each for each in (usual.value, usual.low, usual.high))
+    written = f"{1e3 * value:.3g} mm ({1e3 * low:.3g} mm .. {1e3 * high:.3g} mm)"
+    source = f"one yarn spacing of this weave, and half and double; {usual.source}"
+    return replace(usual, value=value, low=low, high=high, written=written, source=source)
 
 
 def crimps(
@@ -187,7 +202,11 @@ def strength_note(yarn: Yarn, failure_strain: float, written: str, key: str) -> 
     )
     value = f"{100 * failure_strain:g} %"
     off = disagreement(
-        failure_strain, yarn.failure_strain, key, value, f"{allowed}: check the three"
+        failure_strain,
+        yarn.failure_strain,
+        key,
+        value,
+        f"{allowed}: check the three, or leave one out of a fibre that is not linear",
     )
     if off is None:
         return ""

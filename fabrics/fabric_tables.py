@@ -37,7 +37,8 @@ RANGED = (
 )
 ENTRY = ("value", "low", "high", "source", "status")  # keys of a number
 FAMILIES = ("warp", "weft")
-FIBRES = ("para-aramid", "UHMWPE", "E-glass")  # names of `fabrics.families`
+# names of `fabrics.families`
+FIBRES = ("para-aramid", "UHMWPE", "E-glass", "nylon", "polyester", "PBO", "carbon", "LCP")
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,7 @@ def _fabric(file, data, sources, path):
     rate_law = None
     if file.strain_rate is not None:
         rate_law = RateLaw.from_table(file.strain_rate, path)
-    length = data_sheet.entries()["failure_length"]
+    length = data_sheet.failure_length(weave)
     own_length = file.failure_length
     if own_length is None:
         sources["failure_length"] = {

@@ -1,19 +1,21 @@
-"""Fibre families: default laws of para-aramid, UHMWPE and E-glass yarns, each number with a range.
+"""Fibre families: default laws of the yarns of one kind of fibre, each number with a range.
 
 A data sheet states neither the trellis law of a fabric nor the transverse law of its yarns or the
 diameter of their fibres. A family's file gives these, with the status "assumed", a source, and the
 range (low, high) within which the value is taken to lie; where numbers are known also strength and
-modulus at strain rates (`families.strain_rate`).
+modulus at strain rates (`families.strain_rate`), and what stands in place of numbers of
+`data_sheet.toml` for shots: strength after weaving and friction.
 Angles and moduli of the trellis follow from the weave (`families.trellis`).
 
 Every range has a soft and a stiff end. `Family.shear` and `Family.solid_laws` give the nominal law,
-or the law of one of these ends. Yarns of no family (PBO, LCP, nylon) may name one: ranges are then
-wider (`Family.for_other_yarns`).
+or the law of one of these ends. Yarns of no family may name one: ranges are then wider
+(`Family.for_other_yarns`). LCP has modulus and density of para-aramid, and must be named.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -31,7 +33,8 @@ from fabrics.yarn import Yarn
 
 __all__ = ["Entry", "Family", "entry", "list_families"]
 
-FILES = ("para-aramid", "uhmwpe", "e-glass")
+# the first that yarns belong to is theirs
+FILES = ("para-aramid", "uhmwpe", "e-glass", "nylon", "polyester", "pbo", "carbon", "lcp")
 _SHEAR = ("locking_share", "G1_over_G2", "gap", "K_s")
 _SOLID = {"E_a": "Pa", "E_c": "Pa", "K_r": "", "K_G": "", "V_c": ""}
 # the end of its range at which a value makes the fabric softer, other than the low one
@@ -94,6 +97,7 @@ class Family:
         have
     entries : {dotted key: Entry} of [shear] and [solid]
     strain_rate : RateLaw, or None if no numbers are known
+    shots : {name of an entry of data_sheet.toml: Entry in its place}
     power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for
         these
     """
@@ -103,6 +107,7 @@ class Family:
     strengths: dict[str, tuple[float, float]]
     entries: dict[str, Entry]
     strain_rate: RateLaw | None = None
+    shots: Mapping[str, Entry] = field(default_factory=dict)
     power: float = 1.0
     of_others: bool = False
 
@@ -186,7 +191,8 @@ def _read(path: FilePath) -> Family:
     rates = content.get("strain_rate")
     law = rates and RateLaw.from_table(rates, path)
     power = content["other_yarns"]["power"]["value"]
-    return Family(content["name"], limits, strengths, entries, law, power)
+    shots = {name: entry(row, "") for name, row in content.get("shots", {}).items()}
+    return Family(content["name"], limits, strengths, entries, law, shots, power)
 
 
 def entry(table: dict[str, Any], unit: str) -> Entry:

@@ -402,9 +402,11 @@ def _assumptions(plain, whole):
                 rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
         rows += [("thickness, factor", *_read_entry("thickness"))]
         rows += [("warp share of the heights", *_read_entry("warp_share"))]
-    for name in ("failure_length", *data_sheet.OF_SHOTS):
+    of_fabric = assumed.shot_entries(whole)
+    of_fabric["failure_length"] = data_sheet.failure_length(whole.weave)
+    for name, entry in of_fabric.items():
         if name in whole.assumed:
-            rows.append((name, *_read_entry(name)))
+            rows.append((name, entry.written, entry.source))
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]
     gap = ply_gap.ply_gap(plain)
@@ -504,8 +506,8 @@ def new_fabric(
     frame_side : side of the picture frame [m], needed if the file gives its force
     bias_extension : fit the trellis law to this CSV file: displacement and force of a bias strip
     strip : width and length of the bias strip between its clamps, such as "115 mm, 230 mm"
-    family : para-aramid, UHMWPE or E-glass: family of which other yarns (PBO, LCP, nylon) take what
-        is assumed
+    family : para-aramid, UHMWPE, E-glass, nylon, polyester, PBO, carbon or LCP: family of which the
+        yarns take what is assumed, if it does not follow from modulus and fibre density
 
     Raises
     ------

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fabrics import backings, data_sheet, metals, projectiles
+from fabrics import assumed, backings, data_sheet, metals, projectiles
 from fabrics.base.errors import InputError
 from fabrics.base.files import parse_toml
 from fabrics.materials import read_table
@@ -66,11 +66,12 @@ def _of_fabric(fabric: Fabric) -> Iterator[Source]:
     for key, entry in fabric.sources.items():
         if not key.startswith(_UNUSED):
             yield Source(fabric.name, key, entry["status"], entry["source"])
-    names = [name for name in fabric.assumed if name in data_sheet.OF_SHOTS]
+    standing_in = assumed.shot_entries(fabric)
+    names = [name for name in fabric.assumed if name in standing_in]
     if "crimp" in fabric.assumed:
         names += _OF_CRIMP
     for name in names:
-        entry = data_sheet.entries()[name]
+        entry = standing_in.get(name) or data_sheet.entries()[name]
         yield Source(fabric.name, name, entry.status, entry.source)
 
 

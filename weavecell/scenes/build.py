@@ -169,7 +169,7 @@ def material(
     # the fabric of another set-up has been weakened already
     woven = "weaving_damage.strength" in fabric.sources
     if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed and not woven:
-        entry = data_sheet.entries()[data_sheet.STRENGTH_AFTER_WEAVING]
+        entry = assumed.shot_entries(fabric)[data_sheet.STRENGTH_AFTER_WEAVING]
         damage = WeavingDamage(1.0, entry.value, entry.source, entry.status)
         fabric = fabric.with_weaving_damage(damage)
     fabric = _drop_given_frictions(fabric, getattr(scene, "projectile", None), panel)
@@ -399,7 +399,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             "numerics": Numerics(**_collect_given(scene.numerics)),
         }
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
-            given["ply_friction"] = data_sheet.entries()[data_sheet.FRICTION_BETWEEN_PLIES].value
+            entries = assumed.shot_entries(case.fabric)
+            given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].value
         zone = _build_yarn_zone(panel)
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
@@ -437,7 +438,8 @@ def _projectile(table, fabric):
     """The Projectile of a table, with the friction that is assumed of the fabric."""
     given = {}
     if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
-        given["friction"] = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE].value
+        entries = assumed.shot_entries(fabric)
+        given["friction"] = entries[data_sheet.FRICTION_OF_PROJECTILE].value
     return make_projectile(table, **given)
 
 

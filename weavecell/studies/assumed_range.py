@@ -182,7 +182,7 @@ def changes(setup: ImpactSetup) -> Ends:
     # a law that was fitted to a given solid has no ends
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
-    for name, entry in inputs.ranges().items():
+    for name, entry in inputs.ranges(*setup.fabrics).items():
         own = {}
         for end in (entry.low, entry.high):
             if _set_value(setup, name, end) != setup:
@@ -259,7 +259,7 @@ def _with_woven_strength(ply, value):
     what they have."""
     fabric = ply.fabric
     if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed:
-        value /= data_sheet.entries()[data_sheet.STRENGTH_AFTER_WEAVING].value
+        value /= assumed.shot_entries(fabric)[data_sheet.STRENGTH_AFTER_WEAVING].value
     elif "weaving_damage.strength" in fabric.sources:
         return ply
     strains = [value * yarn.failure_strain for yarn in fabric.weave.yarns]

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics import data_sheet, families, plausible, variants
+from fabrics.assumed import shot_entries
 from fabrics.base.checks import fraction, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
@@ -62,14 +63,13 @@ def table(section: str) -> dict[str, families.Entry]:
     return families.entries(read_data(_PATH)[section])
 
 
-@cache
-def ranges() -> dict[str, families.Entry]:
-    """Read the entries of [assumed], of resolved yarns and of the area of packed fabric, by
-    name."""
+def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
+    """Read the entries of shots with these fabrics, of [assumed], of resolved yarns and of the area
+    of packed fabric, by name."""
     from shellfabric.yarns.model import DATA
 
     of_sheet = data_sheet.entries()
-    assumed = {name: of_sheet[name] for name in data_sheet.OF_SHOTS} | table("assumed")
+    assumed = shot_entries(*fabrics) | table("assumed")
     of_yarns = families.entries(DATA)
     assumed[FRICTION_OF_CROSSOVERS] = of_yarns["crossover_friction"]
     assumed["lateral stiffness of yarns"] = of_yarns["lateral_stiffness"]

@@ -13,7 +13,7 @@ import weavecell as wc
 from fabrics import assumed, catalogue, data_sheet
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from fabrics.families import trellis
+from fabrics.families import list_families, trellis
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.api.target import resolve_fabric
@@ -273,7 +273,11 @@ def test_a_range_is_made_where_it_is_asked_for(clamped_pack):
         (90e9, 1440.0, "para-aramid"),
         (110e9, 970.0, "UHMWPE"),
         (72e9, 2560.0, "E-glass"),
-        (180e9, 1560.0, None),
+        (5e9, 1140.0, "nylon"),
+        (12e9, 1380.0, "polyester"),
+        (180e9, 1560.0, "PBO"),
+        (230e9, 1760.0, "carbon"),
+        (30e9, 1900.0, None),
     ],
 )
 def test_the_family_follows_from_modulus_and_density(modulus, density, family):
@@ -416,3 +420,59 @@ def test_the_published_shear_of_a_glass_weave_lies_in_the_assumed_range():
         for end in ("soft", "stiff")
     )
     assert soft < 36.8e3 < stiff
+
+
+@pytest.mark.parametrize("family", list_families(), ids=lambda family: family.name)
+def test_every_family_has_laws_whose_ends_enclose_them(family):
+    """Of a weave of its own yarns: soft below nominal below stiff, a yarn not packed at rest, and each end a law."""
+    (low, high), (light, heavy) = family.limits["modulus"], family.limits["fibre_density"]
+    plain = catalogue.load(MINE).with_yarns(
+        E=(low * high) ** 0.5, fibre_density=(light * heavy) ** 0.5
+    )
+    fabric = replace(plain, family=family.name, shear=None, solid_laws=None)
+    assert not assumed.family_of(fabric).of_others
+    found = assumed.with_solid_laws(assumed.with_shear(fabric))
+    soft, stiff = assumed.shear_ends(found).values()
+    assert soft.shear.G2 < found.shear.G2 <= stiff.shear.G2
+    soft, stiff = assumed.solid_ends(found).values()
+    for end in (soft, found, stiff):
+        for law in end.solid_laws:
+            assert law.Vf0 < law.V_c
+    assert soft.solid_laws[0].E_c < found.solid_laws[0].E_c <= stiff.solid_laws[0].E_c
+    for entry in assumed.shot_entries(found).values():
+        assert 0 <= entry.low < entry.value <= entry.high <= 1
+
+
+def test_a_family_stands_in_for_the_numbers_of_shots():
+    """What a data sheet does not give: of carbon its own, of aramid the usual, of both the widest range."""
+    aramid = catalogue.load(MINE)
+    carbon = aramid.with_yarns(E=230e9, fibre_density=1760.0)
+    name = data_sheet.STRENGTH_AFTER_WEAVING
+    of_carbon = assumed.shot_entries(carbon)[name]
+    assert (of_carbon.value, of_carbon.low, of_carbon.high) == (0.8, 0.5, 1.0)
+    assert assumed.shot_entries(aramid)[name] == data_sheet.entries()[name]
+    both = assumed.shot_entries(aramid, carbon)[name]
+    assert (both.value, both.low, both.high) == (0.94, 0.5, 1.0)
+    assert both.written == "0.94 (0.5 .. 1)"
+    assert f"assumed: strength after weaving {of_carbon.written}, because" in "\n".join(
+        assumed.lines(carbon)
+    )
+    shot = wc.setup(carbon, "90 m/s", opening="40 mm", law=catalogue.load("S-720").laws[0])
+    assert shot.fabric.sources["weaving_damage.strength"]["value"] == 0.8
+    assert shot.projectile.friction == 0.2
+    ends = assumed_range.changes(shot)[name]
+    weaker = ends["strength after weaving 0.5"](shot).fabric.weave.warp.failure_strain
+    assert weaker / shot.fabric.weave.warp.failure_strain == pytest.approx(0.5 / 0.8)
+
+
+def test_the_failure_length_is_at_most_one_spacing():
+    """A fine weave of 35 yarns an inch: 0.726 mm and its half and double; others have 0.75 mm."""
+    plain = catalogue.load(MINE)
+    spacing = 0.0254 / 35
+    fine = replace(plain.weave, weft_count=1 / spacing)
+    entry = data_sheet.failure_length(fine)
+    assert (entry.value, entry.low, entry.high) == pytest.approx(
+        (spacing, spacing / 2, 2 * spacing)
+    )
+    assert entry.written == "0.726 mm (0.363 mm .. 1.45 mm)"
+    assert data_sheet.failure_length(plain.weave) == data_sheet.entries()["failure_length"]
