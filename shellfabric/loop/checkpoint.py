@@ -24,7 +24,7 @@ from shellfabric.loop.snapshots import Snapshot
 if TYPE_CHECKING:
     from shellfabric.loop.driver import ExplicitSolver
 
-FORMAT = "weavecell checkpoint 4"
+FORMAT = "weavecell checkpoint 5"
 MOST_WALL = 30.0  # [s] after which a checkpoint is written wherever the run stands
 LEAST_WALL = 10.0  # [s] between checkpoints of a command: what it saves of a shorter run takes as long to compute again
 

@@ -38,8 +38,8 @@ class Snapshot:
     area : (ni+1, nj+1) [m2] of the node at rest, of the modelled part
     failed_segments : (ni+1, nj+1, 2) broken edges of warp and weft that begin at the node, in yarn
         segments
-    outline : (rings, 2) [m] r and z of the surface of a projectile of metal, its foremost point at
-        z = 0, with the first ply; of another body empty
+    body, plastic : (nodes, 2) [m] r and z of a projectile of metal, its foremost point at z = 0, and
+        (elements,) effective plastic strain, both with the first ply; of another body empty
     """
 
     t: float
@@ -51,7 +51,8 @@ class Snapshot:
     pressure: np.ndarray
     area: np.ndarray
     failed_segments: np.ndarray
-    outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    body: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    plastic: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 def snapshot(
@@ -109,7 +110,8 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
         found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose))
     body = solver.part("metal")
     if body is not None:
-        found[0] = replace(found[0], outline=body.outline())
+        places, plastic = body.as_it_is()
+        found[0] = replace(found[0], body=places, plastic=plastic)
     return tuple(found)
 
 

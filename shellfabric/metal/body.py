@@ -146,6 +146,7 @@ class MetalHistory:
     density_factor : [-] by which the densities were multiplied to give the mass
     rest, places : (nodes, 2) [m] r and z at rest and at the end
     corners : (elements, 4) nodes of the elements
+    outline : (rings,) nodes of the surface, from the tip to the tail
     jacketed : (elements,) bool
     plastic : (elements,) effective plastic strain
     """
@@ -170,6 +171,7 @@ class MetalHistory:
     rest: np.ndarray
     places: np.ndarray
     corners: np.ndarray
+    outline: np.ndarray
     jacketed: np.ndarray
     plastic: np.ndarray
 
@@ -210,12 +212,12 @@ class MetalBody(Part):
         found: Constants = const._replace(nose=self.noses[ply])
         return found
 
-    def outline(self) -> FloatArray:
-        """Return its surface (rings, 2) [m] as it is, r and z, from tip to tail; the foremost point
-        is at z = 0."""
-        found = self.row.x[self.row.outline]
-        found[:, 1] -= found[:, 1].max()
-        return found
+    def as_it_is(self) -> tuple[FloatArray, FloatArray]:
+        """Return its nodes (n, 2) [m], r and z with the foremost point at z = 0, and the effective
+        plastic strain of its elements (m,)."""
+        places = self.row.x.copy()
+        places[:, 1] -= places[self.row.outline, 1].max()
+        return places, self.row.alpha.copy()
 
     def rows(self) -> dict[str, Row]:
         """Return the rows of body and profile; the forces on the rings are in them, see Part."""
@@ -294,6 +296,7 @@ class MetalBody(Part):
             rest=self.drawing.places,
             places=row.x.copy(),
             corners=self.drawing.corners,
+            outline=self.drawing.outline,
             jacketed=row.jacketed.copy(),
             plastic=row.alpha.copy(),
         )

@@ -23,17 +23,23 @@ from weavecell.results import provenance
 
 NOTES = {
     "quick": "the cheap run of each row alone, at most 10 minutes on two cores; its files go to results/measured",
-    "parts": "of crossover, ply, pack, backing, or stored: what is computed; all by default",
+    "only": "a part of the ids of the rows that are computed",
+    "parts": "of crossover, ply, pack, backing, projectile, or stored: what is computed; all by default",
     "out": "folder of the CSVs; docs/reports/data by default",
 }
-PARTS = ("crossover", "ply", "pack", "backing")
+PARTS = ("crossover", "ply", "pack", "backing", "projectile")
 KEPT = Path("results/measured")
 RUN = ("computed", "coarse", "error", "energy_error", "commit")  # columns that a run fills
 VALIDATION = ("E", "u_num", "u_input", "u_val", "E_over_u_val")
 
 
 def main(
-    parts: Sequence[str] = (), *, quick: bool = False, jobs: int = 1, out: Path | None = None
+    parts: Sequence[str] = (),
+    *,
+    only: str = "",
+    quick: bool = False,
+    jobs: int = 1,
+    out: Path | None = None,
 ) -> None:
     """Compute the rows of measured.csv, and write them with their summary."""
     folder = out or study.DATA
@@ -41,13 +47,16 @@ def main(
         folder = out or KEPT
     parts = parts or PARTS
     options: Values = {"folder": KEPT / "runs", "jobs": jobs}
-    made = program.made(f"measured {' '.join(parts)}")
+    words = f"measured {' '.join(parts)}"
+    if only:
+        words += f' --only "{only}"'
+    made = program.made(words)
     commit = provenance.stamp()["commit"]
     rows = read()
     cases = {}
     for row in rows:
         pair = (None if quick else row.case, row.coarse_case)
-        if row.level in parts and any(pair):
+        if row.level in parts and only in row.id and any(pair):
             cases[row.id] = pair
     found = compute_each(compute, filter(None, chain(*cases.values())), **options)
     known = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}

@@ -20,12 +20,16 @@ import numpy as np
 from pandas import to_numeric
 
 import weavecell as wc
+from fabrics import metals
+from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
+from shellfabric.projectile.turned import Turned
 from unitcell3d.identify.platen_misfit import closures
 from validation.cases.solid import PACKING, pressed
 from validation.models.bare_impact import Strike, strike
+from validation.models.taylor_bar import Taylor, strike_wall
 from validation.values import Values, largest
 from weavecell.api import target
 from weavecell.scenes import honoured
@@ -136,7 +140,7 @@ def _value(text):
         return text
 
 
-# {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Fabric
+# {measure: value in the unit of the row} of a wc.ShotResult, of a Strike at a bare block, of a Taylor bar, of a Fabric
 OF_SHOTS: dict[str, Callable[[Any], Any]] = {
     "outcome": lambda shot: shot.outcome,
     # the largest displacement of a yarn's end out of its clamp
@@ -146,6 +150,10 @@ OF_SHOTS: dict[str, Callable[[Any], Any]] = {
 OF_BLOCKS: dict[str, Callable[[Strike], float]] = {
     "depth": lambda found: 1e3 * float(found.z.max()),
     "dent": lambda found: 1e3 * found.block.deepest_point,
+}
+OF_BARS: dict[str, Callable[[Taylor], float]] = {
+    "bar_length": lambda bar: 1e3 * bar.length,
+    "bar_width": lambda bar: 1e3 * bar.width,
 }
 OF_FABRICS: dict[str, Callable[[Fabric], float]] = {
     "areal_density": lambda fabric: 1e3 * fabric.weave.areal_density,
@@ -163,6 +171,9 @@ def compute(case: Case) -> tuple[Any, float, float]:
         found = _strike(case)
         error = largest(found.energies["error"]) / found.energies["projectile"][0]
         return OF_BLOCKS[case.measure](found), 0.0, error
+    if case.measure in OF_BARS:
+        bar = _taylor(case)
+        return OF_BARS[case.measure](bar), 0.0, bar.energy_error
     if case.measure == "limit":
         return _limit(case)
     if case.measure == "growth":
@@ -209,6 +220,19 @@ def _strike(case):
     return strike(
         setup.backing, setup.projectile, setup.strike_velocity, 0.03, after=setup.backing.after_stop
     )
+
+
+def _taylor(case):
+    """The Taylor bar of a file with the table [bar] alone."""
+    table = case.scene["bar"]
+    size = {key: si(table[key], "m") for key in ("diameter", "length", "element_size")}
+    bar = Turned(
+        size["diameter"] / 2,
+        size["length"],
+        metals.load(table["metal"]),
+        element_size=size["element_size"],
+    )
+    return strike_wall(bar, si(table["velocity"], "m/s"))
 
 
 def _closure(case, fabric):

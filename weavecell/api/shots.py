@@ -6,7 +6,7 @@ The folder of `weavecell impact`
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
-    body.pvd        that of body/body-*.vtu: the surface of a projectile of metal
+    body.pvd        that of body/body-*.vtu: a projectile of metal, with its strains
     pictures/       histories, cuts, energies (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
@@ -542,7 +542,7 @@ class ShotResult(ImpactRecord, Result):
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each;
-        and the surface of a projectile of metal, body.pvd with ``body/*.vtu``.
+        and a projectile of metal with its strains, body.pvd with ``body/*.vtu``.
 
         Parameters
         ----------
@@ -556,8 +556,8 @@ class ShotResult(ImpactRecord, Result):
 
         with out_folder.hold(folder, PANEL):
             vtk.write_panel(Path(folder), self.instants, self.quads)
-            if surfaces := self.surfaces():
-                vtk.write_body(Path(folder), surfaces)
+            if bodies := self.bodies():
+                vtk.write_body(Path(folder), bodies)
         return Path(folder) / "panel.pvd"
 
     @out_folder.saving(*NAMES)

@@ -6,9 +6,9 @@ instant; /plies/histories with one column a ply; /plies with one row a ply; /hal
 and /final/00, 01, ... with each ply's shape and state when the projectile had lost half of the
 energy that it lost (the snapshot nearest to it) and at the end, /quads/00, ... with the node
 numbers of its elements; /cuts with the section through the impact point at the instants of the
-snapshots, and in it the outline of a projectile of metal. Where there are any: /measured/00, ...
-with histories along the yarns of a ply (samples
-by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
+snapshots, and in it the nodes of a projectile of metal with the plastic strain of its elements. Where
+there are any: /measured/00, ... with histories along the yarns of a ply (samples by elements or
+nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
 of tip, tail and centre of mass of an elastic projectile; /backing with the block at the end, as far
 as it is modelled. Nodes count from the middle surface of the first ply at rest. Every dataset has
 an attribute "unit".
@@ -32,7 +32,7 @@ from shellfabric.membrane.quality import status
 from shellfabric.projectile.projectile import turn_about
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
-from weavecell.results.impact_shapes import Cut, Peak, Shape
+from weavecell.results.impact_shapes import Cut, Peak, Shape, TurnedBody
 from weavecell.results.keys import TABLES
 from weavecell.studies import rigidity
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 # name and version of the files
-FORMAT = "weavecell impact 10"
+FORMAT = "weavecell impact 11"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,15 +264,22 @@ class ImpactRecord(ImpactData):
         times = [0.0, *(shape.time for shape in self.rear)]
         return np.array([np.interp(t, times, place) for place in places[:, :2].T])
 
-    def surfaces(self) -> list[tuple[FloatArray, float]]:
-        """Return the surface (a, b, 3) [m] of a projectile of metal at each cut, where it is then,
-        and the time [s]; none of another projectile."""
+    def surface(self, t: float) -> FloatArray:
+        """Return the surface (a, b, 3) [m] of the projectile, its foremost point at z = 0 or at rest; of
+        one of metal in the shape of the cut nearest to the time t [s]."""
+        nearest = min(self.cuts, key=lambda cut: abs(cut.time - t), default=None)
+        if nearest is None or self.metal is None:
+            return self.projectile
+        return turn_about(nearest.body[self.metal.outline], self.projectile.shape[1])
+
+    def bodies(self) -> list[tuple[TurnedBody, float]]:
+        """Return a projectile of metal at each cut, where it is then, and the time [s]; none of another
+        projectile."""
         found = []
         for cut in self.cuts:
-            if cut.outline.size:
+            if self.metal is not None:
                 place = np.append(self.nose_place(cut.time), cut.nose_position)
-                around = self.projectile.shape[1]
-                found.append((turn_about(cut.outline, around) + place, cut.time))
+                found.append((TurnedBody(self.metal, cut.body, cut.plastic, place), cut.time))
         return found
 
     @property
@@ -366,8 +373,9 @@ class ImpactRecord(ImpactData):
                 write_table(f"cuts/{number:04d}", cut, "cut")
                 for ply, line in enumerate(cut.lines):
                     put(file, f"cuts/{number:04d}/lines/{ply:02d}", line, "m")
-                if cut.outline.size:
-                    put(file, f"cuts/{number:04d}/outline", cut.outline, "m")
+                if cut.body.size:
+                    put(file, f"cuts/{number:04d}/body", cut.body, "m")
+                    put(file, f"cuts/{number:04d}/plastic", cut.plastic, "1")
             for ply, measured in enumerate(self.measured):
                 _write_measured(file.create_group(f"measured/{ply:02d}"), measured)
             for name in _PARTS:
@@ -400,7 +408,7 @@ class ImpactRecord(ImpactData):
             cuts = []
             for group in _members(file, "cuts"):
                 lines = tuple(line[()] for line in _members(group, "lines"))
-                more = {"outline": group["outline"][()]} if "outline" in group else {}
+                more = {name: group[name][()] for name in ("body", "plastic") if name in group}
                 cuts.append(read_group(group, Cut, "cut", lines=lines, **more))
             for name, kind in zip(_PARTS, (BarHistory, MetalHistory, BackingResult)):
                 if name in file:

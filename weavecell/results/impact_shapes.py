@@ -12,6 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from shellfabric.loop.snapshots import Snapshot
     from shellfabric.membrane.model import Panel
+    from shellfabric.metal.body import MetalHistory
 
 _GRIDS = (
     "nodes",
@@ -66,14 +67,14 @@ class Cut:
     time, nose_position : [s, m] and the foremost point of the projectile
     lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its
         yarn has failed
-    outline : (rings, 2) [m] r and z of the surface of a projectile of metal, its foremost point at
-        z = 0; of another body empty
+    body, plastic : of a projectile of metal, as in a Snapshot; of another body empty
     """
 
     time: float
     nose_position: float
     lines: tuple
-    outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    body: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    plastic: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     @classmethod
     def from_snapshots(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
@@ -91,7 +92,46 @@ class Cut:
             gone = gone[(gone >= long[0]) & (gone <= long[-1])] - long[0]
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
         first = shots[0]
-        return cls(float(first.t), float(first.nose_position), tuple(lines), first.outline)
+        body = first.body, first.plastic
+        return cls(float(first.t), float(first.nose_position), tuple(lines), *body)
+
+
+@dataclass(frozen=True)
+class TurnedBody:
+    """A projectile of metal at one instant.
+
+    Parameters
+    ----------
+    drawn : shellfabric.metal.body.MetalHistory, which has its elements and their places at rest
+    nodes : (n, 2) [m] r and z, its foremost point at z = 0
+    plastic : (elements,) effective plastic strain
+    place : (3,) [m] of its foremost point
+    """
+
+    drawn: MetalHistory
+    nodes: np.ndarray
+    plastic: np.ndarray
+    place: np.ndarray
+
+    @property
+    def strain(self) -> np.ndarray:
+        """(elements,) [-] equivalent logarithmic strain (2/3 e:e)^(1/2), elastic and plastic, of the
+        deviator e of Hencky's strain at the middle of each element.
+
+        Not that which accumulates: an element that is stretched and pressed back has none.
+        """
+        rest = self.drawn.rest[self.drawn.corners]
+        now = self.nodes[self.drawn.corners]
+        # diagonals of the quadrilaterals: F maps those at rest on those of now
+        at_rest, as_is = (
+            np.stack([x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]], axis=-1) for x in (rest, now)
+        )
+        gradient = as_is @ np.linalg.inv(at_rest)
+        stretches = np.linalg.svd(gradient, compute_uv=False)
+        hoop = now[..., 0].mean(axis=1) / rest[..., 0].mean(axis=1)
+        logarithms = np.log(np.column_stack([stretches, hoop]))
+        deviator = logarithms - logarithms.mean(axis=1, keepdims=True)
+        return np.sqrt(2 / 3 * np.sum(deviator**2, axis=1))
 
 
 def _cut_turned_ply(shot, panel):

@@ -18,9 +18,10 @@ from fabrics.base.errors import InputError
 from fabrics.base.files import replace_whole, write
 
 if TYPE_CHECKING:
-    from weavecell.results.impact_shapes import Shape
+    from weavecell.results.impact_shapes import Shape, TurnedBody
 
 PRESSURES = ("projectile_pressure_Pa", "front_pressure_Pa", "rear_pressure_Pa")
+AROUND = 24  # sectors of a body that is turned about its axis
 _FAILED = "failed_segments_warp", "failed_segments_weft"
 
 
@@ -90,20 +91,40 @@ def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[
     write_series(out / "panel.pvd", times)
 
 
-def write_body(out: Path, surfaces: Iterable[tuple[FloatArray, float]]) -> None:
-    """Write the surface of a projectile as body.pvd and body/body-NNNN.vtu in the folder `out`.
+def body(found: TurnedBody) -> Any:
+    """Make the grid of a projectile of metal, turned about its axis, with the arrays that
+    docs/reference.md lists."""
+    import pyvista
+
+    turn = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
+    r, z = found.nodes.T[..., None]
+    places = np.stack([r * np.cos(turn), r * np.sin(turn), z + 0 * turn], axis=-1) + found.place
+    corners = np.asarray(found.drawn.corners)
+    # two neighbouring copies of an element's quadrilateral are a hexahedron
+    first = corners[:, None] * AROUND + np.arange(AROUND)[None, :, None]
+    second = corners[:, None] * AROUND + np.roll(np.arange(AROUND), -1)[None, :, None]
+    cells = np.concatenate([second, first], axis=-1).reshape(-1, 8)
+    made = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: cells}, places.reshape(-1, 3))
+    of_elements = {
+        "plastic_strain": found.plastic,
+        "strain": found.strain,
+        "jacket": found.drawn.jacketed.astype(np.int8),
+    }
+    made.cell_data.update({name: np.repeat(values, AROUND) for name, values in of_elements.items()})
+    return made
+
+
+def write_body(out: Path, bodies: Iterable[tuple[TurnedBody, float]]) -> None:
+    """Write a projectile of metal as body.pvd and body/body-NNNN.vtu in the folder `out`.
 
     Parameters
     ----------
-    surfaces : (places (a, b, 3) [m], time [s]) of each instant
+    bodies : (body, time [s]) of each instant
     """
-    import pyvista
-
     times: dict[str, float] = {}
-    for number, (surface, time) in enumerate(surfaces):
+    for number, (found, time) in enumerate(bodies):
         name = f"body/body-{number:04d}.vtu"
-        made = pyvista.StructuredGrid(*np.moveaxis(surface, -1, 0))
-        write_grid(out / name, made.cast_to_unstructured_grid())
+        write_grid(out / name, body(found))
         times[name] = time
     write_series(out / "body.pvd", times)
 

@@ -99,7 +99,7 @@ def test_another_format_is_refused(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.attrs["format"] = "weavecell impact 1"
     with pytest.raises(
-        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 10'"
+        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 11'"
     ):
         ImpactRecord.read(tmp_path / "a.h5")
     (tmp_path / "s.json").write_text('{"format": "weavecell summary 9"}')

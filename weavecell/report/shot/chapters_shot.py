@@ -248,8 +248,9 @@ def _energies(record):
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
     """Return what `pictures_shot.cuts` draws of a cut of a record."""
     outline = pictures_shot.outline(record.projectile)
-    if cut.outline.size:
-        outline = np.concatenate([cut.outline, cut.outline[::-1] * [-1, 1]])
+    if record.metal is not None:
+        half = cut.body[record.metal.outline]
+        outline = np.concatenate([half, half[::-1] * [-1, 1]])
     outline[:, 0] += record.nose_place(cut.time)[0]
     return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
 

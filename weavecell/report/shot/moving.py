@@ -17,7 +17,7 @@ import numpy as np
 
 from weavecell.report import pictures3d
 from weavecell.report.page import Figure, Report, Section
-from weavecell.report.pictures_style import RED, STEEL, tension_map
+from weavecell.report.pictures_style import ORANGE, RED, STEEL, tension_map
 from weavecell.report.shot import chapters_shot
 from weavecell.results import vtk
 from weavecell.results.display import text
@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 _MOST_BYTES = 16_000_000
 # 8-bit value of a yarn at its strength; larger tensions still fit
 _PER_UNIT = 200
+_AROUND = 36  # sectors of a projectile of metal, which the page turns about its axis
+_OF_METAL = (
+    " The projectile is grey where its metal has not flowed, and orange where it has flowed most, "
+    "with a plastic strain of {}."
+)
 _CAPTION = (
     "The whole panel and the projectile. Drag to turn; + and − or Ctrl and the wheel come nearer. Front is the side "
     "that is struck. Tension in % of the strength; orange: one yarn failed; elements that have lost both are left out."
@@ -44,8 +49,12 @@ def section(
     ----------
     instants : (grid of `results.vtk.panel`, time [s]) of each snapshot
     """
+    caption = _CAPTION
+    if record.metal is not None:
+        most = max(_rings(record, t)[:, 2].max() for _, t in instants)
+        caption += _OF_METAL.format(f"{most:.2g}")
     return Section(
-        "motion", "The panel in motion", _CAPTION, tuple(figures), moving=moving(record, instants)
+        "motion", "The panel in motion", caption, tuple(figures), moving=moving(record, instants)
     )
 
 
@@ -85,14 +94,9 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     for grid, _ in chosen:
         tension.append(np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]))
     shares = np.array(tension) / record.strength[ply]
-    body = record.projectile - np.append(np.zeros(2), record.projectile[..., 2].max())
-    corner = body[:-1, :-1]
-    across = body[1:, 1:]
-    # two triangles for each quadrilateral
-    rings = [corner, body[1:, :-1], across, corner, across, body[:-1, 1:]]
-    triangles = np.stack(rings, axis=2).reshape(-1, 3)
+    body = _bodies(record, [t for _, t in chosen])
     parts = (
-        triangles.astype("<f4"),
+        body.astype("<f4"),
         first.cells.reshape(-1, 5)[:, 1:].astype("<u4"),
         differences,
         np.clip(np.round(_PER_UNIT * shares), 0, 255).astype(np.uint8),
@@ -117,7 +121,11 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         "nodes": first.n_points,
         "elements": first.n_cells,
         "instants": count,
-        "bodyVertices": len(triangles),
+        "rings": body.shape[1] if body.ndim == 3 else 0,
+        "around": _AROUND,
+        "bodyVertices": body.shape[-2] if body.ndim == 2 else 6 * (body.shape[1] - 1) * _AROUND,
+        "flowed": [round(255 * part) for part in to_rgb(ORANGE)],
+        "mostPlastic": max(float(body[..., 2].max()), 1e-3) if body.ndim == 3 else 0.0,
         "perUnit": _PER_UNIT,
         "origin": low.tolist(),
         "step": step.tolist(),
@@ -135,3 +143,28 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         "data": base64.b64encode(packed).decode("ascii"),
     }
     return json.dumps(head)
+
+
+def _bodies(record, times):
+    """The projectile in the page: of metal (instants, rings, 3) r, z [m] and effective plastic strain of
+    its surface; of another the vertices (n, 3) [m] of its triangles, which stay. z is 0 at the foremost
+    point."""
+    if record.metal is not None:
+        return np.array([_rings(record, t) for t in times])
+    body = record.projectile - np.append(np.zeros(2), record.projectile[..., 2].max())
+    corner = body[:-1, :-1]
+    across = body[1:, 1:]
+    # two triangles for each quadrilateral
+    corners = [corner, body[1:, :-1], across, corner, across, body[:-1, 1:]]
+    return np.stack(corners, axis=2).reshape(-1, 3)
+
+
+def _rings(record, t):
+    """(rings, 3) r, z [m] and plastic strain of the surface at the cut nearest to a time."""
+    cut = min(record.cuts, key=lambda cut: abs(cut.time - t))
+    # a node has the mean of the elements about it
+    corners = record.metal.corners
+    count = np.bincount(corners.ravel(), minlength=len(cut.body))
+    total = np.bincount(corners.ravel(), np.repeat(cut.plastic, 4), len(cut.body))
+    surface = record.metal.outline
+    return np.column_stack([cut.body[surface], (total / count)[surface]])

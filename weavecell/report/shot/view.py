@@ -25,7 +25,6 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.files import refuse_existing, replace_whole
-from shellfabric.projectile.projectile import turn_about
 from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
@@ -69,17 +68,9 @@ class Panel:
 
     def body(self, grid: Any, t: float) -> FloatArray:
         """Compute the surface (a, b, 3) [m] of the projectile at time t, the instant of a grid."""
-        surface = self.surface(t)
+        surface = self.record.surface(t)
         height = grid.field_data["projectile_z_m"][0] - surface[..., 2].max()
         return surface + np.append(self.record.nose_place(t), height)
-
-    def surface(self, t: float) -> FloatArray:
-        """Return the surface (a, b, 3) [m] of the projectile; of one of metal in its shape at t."""
-        surface = self.record.projectile
-        nearest = min(self.record.cuts, key=lambda cut: abs(cut.time - t), default=None)
-        if nearest is None or not nearest.outline.size:
-            return surface
-        return turn_about(nearest.outline, surface.shape[1])
 
     def instants(self) -> list[tuple[Any, float]]:
         """Return (grid, time [s]) of each snapshot."""

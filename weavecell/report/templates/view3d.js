@@ -15,7 +15,7 @@ async function view3d(root) {
     offset += values.byteLength;
     return values;
   };
-  const body = take(Float32Array, head.bodyVertices * 3);
+  const body = take(Float32Array, (head.rings ? instants * head.rings : head.bodyVertices) * 3);
   const quads = take(Uint32Array, elements * 4);
   const places = take(Uint16Array, instants * nodes * 3); // differences from the instant before
   const tensions = take(Uint8Array, instants * elements * 2);
@@ -63,7 +63,21 @@ async function view3d(root) {
   };
   const fabric = { position: gl.createBuffer(), colour: gl.createBuffer(), count: 0 };
   const steel = { position: gl.createBuffer(), colour: gl.createBuffer(), count: head.bodyVertices };
-  fill(steel, body, Uint8Array.from({ length: body.length }, (_, k) => head.steel[k % 3]));
+  if (!head.rings) fill(steel, body, Uint8Array.from({ length: body.length }, (_, k) => head.steel[k % 3]));
+  const turned = new Float32Array(head.bodyVertices * 3), shade = new Uint8Array(head.bodyVertices * 3);
+  const loadBody = (instant) => { // a projectile of metal: rings r, z and plastic strain, turned about its axis
+    let vertices = 0;
+    for (let ring = 0; ring < head.rings - 1; ring++)
+      for (let sector = 0; sector < head.around; sector++)
+        for (const [up, next] of [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]]) {
+          const [r, z, plastic] = body.subarray((instant * head.rings + ring + up) * 3);
+          const angle = (2 * Math.PI * (sector + next)) / head.around, part = Math.min(1, plastic / head.mostPlastic);
+          turned.set([r * Math.cos(angle), r * Math.sin(angle), z], vertices);
+          shade.set(head.steel.map((value, k) => value + part * (head.flowed[k] - value)), vertices);
+          vertices += 3;
+        }
+    fill(steel, turned, shade);
+  };
   const drawPart = (part, side, shift) => {
     for (const [name, target, type] of [["place", part.position, gl.FLOAT], ["colour", part.colour, gl.UNSIGNED_BYTE]]) {
       const place = gl.getAttribLocation(program, name);
@@ -99,6 +113,7 @@ async function view3d(root) {
     }
     fabric.count = vertices / 3;
     fill(fabric, position.subarray(0, vertices), colour.subarray(0, vertices));
+    if (head.rings) loadBody(instant);
     root.querySelector("output").textContent = head.captions[instant];
     root.querySelector(".high").textContent = end.text;
     draw();
