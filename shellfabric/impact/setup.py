@@ -103,6 +103,7 @@ class ImpactSetup:
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     instead : YarnZone of yarns that are resolved if a run with pinned ones says that these are not
         enough; what cannot choose refuses it (`target`)
+    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
     plies : number of plies, all of this fabric
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
@@ -156,6 +157,7 @@ class ImpactSetup:
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
     instead: YarnZone | None = None
+    yarn_friction: float = Panel.yarn_friction
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):

@@ -32,7 +32,7 @@ from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.state import Constants
-from shellfabric.yarns import model as yarns
+from shellfabric.yarns.holding import friction_of_plies
 from shellfabric.yarns.past_ply import nodes_past
 
 FAULTS = {
@@ -240,9 +240,9 @@ class PackSolver(ExplicitSolver):
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
         found += dent_checks.indicators(self)
         if self.reason == STOPPED and not self.replaces_membrane:
-            needed = yarns.friction_of_plies(self.pack.plies, self.strike_velocity)
-            if needed is not None:
-                found.append(quality.indicator("friction to hold yarns", needed))
+            found += quality.judge_friction(
+                friction_of_plies(self.pack.plies, self.strike_velocity), self.panel.yarn_friction
+            )
         return tuple(found)
 
     @property

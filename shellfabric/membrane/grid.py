@@ -38,7 +38,7 @@ from fabrics.weave import Weave
 from shellfabric.block import coupling
 from shellfabric.block.block import Backing
 from shellfabric.cell.model import CellTable
-from shellfabric.membrane import boundary, forces, grading, time_step
+from shellfabric.membrane import boundary, forces, grading, time_step, unzipping
 from shellfabric.membrane.boundary import Boundary
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.parts import Part
@@ -86,6 +86,8 @@ class PanelGrid:
         the impact point, or None (see `grading`); not with grips at the edges
     parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
         of the panel
+    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
+        whether they would slip
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
         axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
         it in it
@@ -115,6 +117,7 @@ class PanelGrid:
     packed_area: float = entries()["packed_area"].value
     grading: tuple | None = None
     parts: tuple[Callable[[PanelGrid], Part], ...] = ()
+    yarn_friction: float = unzipping.FRICTION
     ply_angle: float = 0.0
 
     def __post_init__(self):

@@ -220,9 +220,9 @@ LIMITS = {
         "over the nodes of a ply's yarns; plies touch at the mean of warp and weft, single yarns may reach past",
     ),
     "friction to hold yarns": (
-        0.25,
-        "least friction between yarns with which a ply stops this projectile; with less, it pushes them aside and "
-        'passes, which crossovers = "yarns" computes',
+        unzipping.FRICTION,
+        "highest friction between yarns that it may take to stop this projectile; with too little it pushes "
+        'them aside and passes, which crossovers = "yarns" computes',
     ),
     "motion at held faces": (
         0.06,
@@ -312,6 +312,23 @@ def indicator(name: str, value: float) -> Indicator:
     """Return the Indicator of LIMITS with a value."""
     limit, meaning = LIMITS[name]
     return Indicator(name, float(value), limit, meaning=meaning, note=NOTES.get(name))
+
+
+def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[Indicator]:
+    """Return the indicator of the friction that holds yarns, beside that which they have: doubtful
+    unless this is above the range; [] without a range.
+
+    Parameters
+    ----------
+    needed : (low, high) [-] of `yarns.holding`
+    friction : [-] between yarns
+    """
+    if needed is None:
+        return []
+    low, high = needed
+    found = indicator("friction to hold yarns", high)
+    words = f"by the fabric {low:.2g} to {high:.2g}; theirs is {friction:g}"
+    return [replace(found, limit=friction, meaning=f"{found.meaning}; {words}")]
 
 
 class Monitor:
@@ -462,7 +479,8 @@ def _unzipping(solver, cut_yarns, energies):
     speaks = (slipping > SLIPPING) & (recoil > RECOIL)
     found = indicator("unzipping", float(ratios.max(where=speaks, initial=0.0)))
     words = f"cut over struck yarns {ratios.max():.1f}, {100 * slipping.max():.0f} % of the loaded crossings would "
-    words += f"slip with friction {unzipping.FRICTION:g}, viscosity took {100 * recoil:.0f} % after the first failure"
+    words += f"slip with friction {solver.panel.yarn_friction:g}, "
+    words += f"viscosity took {100 * recoil:.0f} % after the first failure"
     return [replace(found, meaning=f"{found.meaning}; {words}")]
 
 

@@ -72,7 +72,8 @@ def slipping_crossings(panel: Any, const: Constants, state: State) -> tuple[int,
     loaded = np.maximum(load_a / strengths[0], load_b / strengths[1]) > LOADED
     loaded &= whole
     force = contact_force(panel.table, stretch_a[loaded], stretch_b[loaded])
-    return int(np.count_nonzero(q[loaded] > FRICTION * force)), int(np.count_nonzero(loaded))
+    slip = q[loaded] > panel.yarn_friction * force
+    return int(np.count_nonzero(slip)), int(np.count_nonzero(loaded))
 
 
 def contact_force(table: Any, warp: FloatArray, weft: FloatArray) -> FloatArray:

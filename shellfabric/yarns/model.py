@@ -36,13 +36,6 @@ DRAWN = 3e-3
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 3  # of the yarns in a step of the membrane
-# friction that holds yarns, over (V / c)^(2/3), of the velocity V and the wave speed c of the yarn. Runs with
-# resolved yarns gave 1.9 to 3.1 of flat noses on four fabrics; of a sphere 4.0 to 4.4 on S-720 and
-# S-726, 4.4 to 4.9 on S-728, 2.8 to 3.2 on S-727
-HOLDING = 2.8
-HOLDING_ROUND = 4.4
-ROUND = ("sphere", "hemisphere", "cone")  # noses of HOLDING_ROUND; only spheres were tried
-WIDEST = 4.0  # radius [spacings] of the noses from which it comes
 # of Numerics: what the contact of the nose with the membrane has, and that with yarns has not
 MEMBRANE_CONTACT = ("penalty", "contact_damping", "contact_points", "erosion_gap")
 REACH = 2.0  # spacings between the nose and the rim at least
@@ -349,46 +342,3 @@ def crossings_of(panel: Panel) -> int:
         return 0
     rows, columns = panel.patch.crossings
     return rows * columns
-
-
-def friction_to_hold(panel: Panel, velocity: float) -> float | None:
-    """Return the least friction between yarns [-] with which a ply stops a nose; with less it pushes yarns aside.
-
-    A yarn of tension T, whose kink has the angle a, is pushed aside with a force in proportion to T sin(a). Friction mu
-    at its crossings holds it with one in proportion to mu T. The ratio mu / sin(a)^2 decides. For a yarn that is
-    struck across, sin(a)^2 is 2^(2/3) (V / c)^(2/3) (Smith, McCrackin and Schiefer 1958). The factor comes from
-    runs with resolved yarns at one ply: HOLDING of flat noses, HOLDING_ROUND of round ones (docs/theory-panel.md says
-    on which fabrics it is too low or too high).
-
-    Parameters
-    ----------
-    velocity : [m/s] of the nose
-
-    Returns
-    -------
-    None for a nose wider than in these runs, and for a ply with a backing
-    """
-    spacing = 2 * min(panel.weave.w)
-    if panel.backing is not None or panel.projectile.radius > WIDEST * spacing:
-        return None
-    wave = np.mean([yarn.wave_speed for yarn in panel.weave.yarns])
-    factor = HOLDING
-    if panel.projectile.shape in ROUND:
-        factor = HOLDING_ROUND
-    return float(factor * (velocity / wave) ** (2 / 3))
-
-
-def friction_of_plies(panels: Sequence[Panel], velocity: float) -> float | None:
-    """Return the least friction between yarns [-] with which plies stop a nose, by that of the ply that asks for most
-    (`friction_to_hold`); of several plies rather too much.
-
-    Parameters
-    ----------
-    velocity : [m/s] of the nose
-
-    Returns
-    -------
-    None where it is of none of the plies
-    """
-    found = [friction_to_hold(panel, velocity) for panel in panels]
-    return max((needed for needed in found if needed is not None), default=None)

@@ -100,8 +100,8 @@ class Keywords(TypedDict, total=False):
         "1/2"], [20, 1], [inf, 2]]
     crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
-        auto runs them pinned, and resolved if the checks of that run say that the nose parts them
-        or that they unzip (a shot, a limit); one of "pinned", "yarns", "auto"
+        auto runs them pinned, and resolved if the checks of that run say that the nose may part
+        them or that they unzip (a shot, a limit, a V50); one of "pinned", "yarns", "auto"
     zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
         divided by `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the

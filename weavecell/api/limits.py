@@ -169,7 +169,9 @@ def critical_velocity(
     over = ranges.with_ends(panel.setup, assumed_range)
     setup = panel.setup
     if setup.instead is not None:
-        choice.with_resolved(setup).target()  # what resolved yarns do not have is refused first
+        with panel.name_problems():
+            # what resolved yarns do not have is refused first
+            choice.with_resolved(setup).target()
         panel = replace(panel, setup=choice.with_pinned(setup))
         over = None
     if check:
@@ -179,10 +181,11 @@ def critical_velocity(
         searches = 1
         if over is not None:
             searches += ranges.searches(over)
-        return StudySize.estimate(panel.setup, panel.title, fired, searches)  # type: ignore[return-value]
+        size = StudySize.estimate(panel.setup, panel.title, fired, searches)
+        return size.with_choice(setup, fired)  # type: ignore[return-value]
     # the range over what is assumed searches with the same tolerance and pool
     beside = {"tolerance": width, **how.pool}
-    fired_at = inputs.use_one_thread(panel.setup, strike_velocity=1.0)
+    fired_at = inputs.use_one_thread(setup, strike_velocity=1.0)
     with (
         out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
         study_run.keep_runs(folder, how.resume) as runs,
@@ -218,11 +221,13 @@ def critical_velocity(
             study = search()
             chosen = ""
             if setup.instead is not None:
-                chosen = choose_yarns(setup, study)
-            if chosen not in ("", choice.PINNED_ENOUGH):
-                logging.getLogger("weavecell").info(chosen)
-                panel = replace(panel, setup=choice.with_resolved(setup))
-                study = search()
+                found = choice.choose_by_limit(setup, study.limit)
+                chosen = str(found)
+                if found.resolved:
+                    panel = replace(panel, setup=choice.with_resolved(setup))
+                    more = StudySize.estimate(panel.setup, panel.title, residual_shots, 1)
+                    logging.getLogger("weavecell").info(f"{chosen}; {more.cost}")
+                    study = search()
         seconds = time.perf_counter() - began
         result = CriticalVelocityResult(
             panel, study.limit, study.fit, scan=study.scan, wall_time=seconds, chosen=chosen
@@ -241,19 +246,6 @@ def critical_velocity(
             result = save_to(replace(result, assumed_range=around_it), folder)
     result.warn()
     return result
-
-
-def choose_yarns(setup: ImpactSetup, study: Any) -> str:
-    """Say whether the limit with pinned yarns of a set-up with `instead` counts, or that with resolved ones, and
-    why: by the checks of the shots at the ends of its bracket."""
-    from weavecell.studies import choice
-
-    found = study.limit
-    ends = [one for shot in found.ends for one in shot.checks]
-    reason = choice.find_reason(setup, found.velocity, ends, ", the limit of pinned ones,")
-    if not reason:
-        return choice.PINNED_ENOUGH
-    return f"{reason} (limit of pinned yarns {found.velocity:.1f} m/s)"
 
 
 @contextmanager
@@ -369,9 +361,8 @@ class CriticalVelocityResult(StudyResult):
         value = f"{self.limit.velocity:.1f} m/s"
         if self.limit.mixed_zone is not None:
             value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
-        briefs = [words for words in (self.chosen, brief_words(self.left_out)) if words]
-        if briefs:
-            value += f" ({'; '.join(briefs)})"
+        if briefs := brief_words(self.left_out, self.chosen):
+            value += f" ({briefs})"
         return "Critical velocity", value
 
     def _what(self):
@@ -391,7 +382,10 @@ class CriticalVelocityResult(StudyResult):
     def _facts(self):
         limit = self.limit
         setup = self.target.setup
-        return {
+        chosen = {}
+        if self.chosen:
+            chosen["chosen"] = self.chosen
+        return chosen | {
             "fabric": setup.name,
             "plies": setup.plies,
             "projectile": self.target.projectile,
@@ -410,7 +404,11 @@ class CriticalVelocityResult(StudyResult):
         }
 
     def _columns(self):
-        return table_of(self.shots)
+        columns = dict(table_of(self.shots))
+        if self.chosen:  # else the input says it
+            yarns = "pinned" if self.target.setup.crossovers is None else "resolved"
+            columns["yarns"] = [yarns] * len(self.shots)
+        return columns
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""

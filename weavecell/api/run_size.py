@@ -13,7 +13,7 @@ estimates, looked at beside one run of `v50`: 4.7 to 70 s for 18 s.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -97,7 +97,8 @@ class _Size(Result):
         return {"cpu_time_low_s": low, "cpu_time_high_s": high}
 
     @property
-    def _seconds(self):
+    def cost(self) -> str:
+        """[s] of CPU time, in words."""
         low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in self.cpu_time)
         return f"{low} to {high} s of CPU time"
 
@@ -154,7 +155,7 @@ class RunSize(_Size):
         if setup.instead is not None:
             again = cls.estimate(choice.with_resolved(setup), title, (), written)
             setup = choice.with_pinned(setup)
-            assumed = (*assumed, f"if the checks ask for resolved yarns, another {again._seconds}")
+            assumed = (*assumed, f"if the checks ask for resolved yarns, another {again.cost}")
         pack = check_impact(setup, written=written)
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
@@ -187,7 +188,7 @@ class RunSize(_Size):
         lines = [
             f"{self.title}: nothing is run",
             f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
-            f"memory {1e-6 * self.memory:.0f} MB; {self._seconds} if it goes on to its end time",
+            f"memory {1e-6 * self.memory:.0f} MB; {self.cost} if it goes on to its end time",
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
@@ -205,6 +206,8 @@ class StudySize(_Size):
     searches : of a limit, of SHOTS_OF_A_SEARCH shots each
     cpu_time : (lowest, highest) [s]
     of_range : shots that the range over what is assumed adds, with those of its searches
+    resolved : size of the same with resolved yarns, which is added if the checks ask for them; None
+        if they cannot
 
     Examples
     --------
@@ -218,6 +221,7 @@ class StudySize(_Size):
     searches: int
     cpu_time: tuple[float, float]
     of_range: int = 0
+    resolved: StudySize | None = None
 
     @classmethod
     def estimate(
@@ -240,6 +244,21 @@ class StudySize(_Size):
         of_range = SHOTS_OF_A_SEARCH * max(searches - 1, 0) + repeats
         return cls(title, shots, searches, (low, high), of_range)
 
+    def with_choice(self, setup: ImpactSetup, shots: int) -> StudySize:
+        """Return the size with that of `shots` and one search with resolved yarns beside it, if the
+        set-up leaves the choice to the checks.
+
+        Raises
+        ------
+        InputError : what resolved yarns do not have
+        """
+        from weavecell.studies import choice
+
+        if setup.instead is None:
+            return self
+        resolved = choice.with_resolved(setup)
+        return replace(self, resolved=self.estimate(resolved, self.title, shots, 1))
+
     @classmethod
     def add_up(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
         """Add up several sizes."""
@@ -259,7 +278,7 @@ class StudySize(_Size):
             searches = f", of which {self.searches} searches of a limit"
         lines = [
             f"{self.title}: nothing is run",
-            f"about {self.shots:,} shots{searches}; {self._seconds}",
+            f"about {self.shots:,} shots{searches}; {self.cost}",
         ]
         if self.of_range:
             own = self.shots - self.of_range
@@ -267,6 +286,8 @@ class StudySize(_Size):
                 f"{own:,} of these shots are the study itself, {self.of_range:,} the range over what is "
                 "assumed, which can be left out"
             )
+        if self.resolved is not None:
+            lines.append(f"if the checks ask for resolved yarns, another {self.resolved.cost}")
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
         return "\n".join(lines)

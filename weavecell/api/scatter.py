@@ -106,7 +106,7 @@ def v50(
     True
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs, strengths
+    from weavecell.studies import choice, inputs, strengths
     from weavecell.studies import v50 as analysis
 
     if weibull_shape is not None and weibull_shape != inf:
@@ -132,7 +132,13 @@ def v50(
     panel = resolve_target(target, keys, honoured.V50, function="v50")
     with panel.name_problems():
         strengths.check(panel.setup, scatter)
-    over = ranges.with_ends(panel.setup, assumed_range)
+    setup = panel.setup
+    over = ranges.with_ends(setup, assumed_range)
+    if setup.instead is not None:
+        with panel.name_problems():
+            # what resolved yarns do not have is refused first
+            choice.with_resolved(setup).target()
+        over = None
     searches = 0
     repeats = 0
     if over is not None:
@@ -140,12 +146,31 @@ def v50(
         repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
     if check:
         fired = shots * (1 + repeats)
-        whole = replace(analysis.grade_mesh(panel.setup), symmetry="whole")
-        return StudySize.estimate(whole, panel.title, fired, 1 + searches, shots * repeats)  # type: ignore[return-value]
-    drawn = inputs.use_one_thread(panel.setup, strike_velocity=1.0), scatter, seed
+        # where the checks choose, pinned yarns come first
+        whole = replace(analysis.grade_mesh(choice.with_pinned(setup)), symmetry="whole")
+        size = StudySize.estimate(whole, panel.title, fired, 1 + searches, shots * repeats)
+        return size.with_choice(setup, shots)  # type: ignore[return-value]
+    drawn = inputs.use_one_thread(setup, strike_velocity=1.0), scatter, seed
+    chosen = ""
     with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, NAMES, drawn) as run:
+        if setup.instead is not None:
+            found = analysis.choose_yarns(
+                setup, scatter, batch=sizes["batch"], seed=seed, **run.runs
+            )
+            chosen = str(found)
+            fired_at = choice.with_pinned(setup)
+            if found.resolved:
+                fired_at = choice.with_resolved(setup)
+                cost = StudySize.estimate(fired_at, panel.title, shots, 1).cost
+                logging.getLogger("weavecell").info(f"{chosen}; {cost}")
+            panel = replace(panel, setup=fired_at)
+            over = ranges.with_ends(fired_at, assumed_range)
         study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-        result = save_to(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+
+        def result_of(study):
+            return V50Result(study, panel, seed, batch, run.wall_time, chosen)
+
+        result = save_to(result_of(study), run.folder)
         if over is not None:
             share = (SHOTS_OF_A_SEARCH * searches + shots * repeats) / (SHOTS_OF_A_SEARCH + shots)
             cost = f"{searches} searches and {shots * repeats} shots, about {share * run.wall_time:.2g} s"
@@ -154,7 +179,7 @@ def v50(
                 over, study, again=assumed_range is True, seed=seed, report=run.report(), **run.runs
             )
             study = replace(study, assumed_range=ends)
-            result = save_to(V50Result(study, panel, seed, batch, run.wall_time), run.folder)
+            result = save_to(result_of(study), run.folder)
     if study.failures:
         message = f"{len(study.failures)} of {shots} shots are left out of all estimates: {study.failures[0]}"
         raise UnstableError(message, result=result)
@@ -172,6 +197,7 @@ class V50Result(StudyResult):
     target : `weavecell.api.target.Target` that was shot at
     seed, batch : of the shots
     wall_time : [s]
+    chosen : whether yarns are pinned or resolved, and why; "" where the input says it
 
     Examples
     --------
@@ -185,6 +211,7 @@ class V50Result(StudyResult):
     seed: int
     batch: int
     wall_time: float
+    chosen: str = ""
 
     @property
     def v50(self) -> float:
@@ -210,7 +237,8 @@ class V50Result(StudyResult):
     def summary(self) -> dict[str, Any]:
         """Return V50 with its interval, the curve's standard deviation, the limit without scatter,
         and V50 of test series."""
-        return self.study.summary() | self._what_is_assumed()
+        chosen = {"chosen": self.chosen} if self.chosen else {}
+        return chosen | self.study.summary() | self._what_is_assumed()
 
     def _columns(self):
         shots = self.study.shots
@@ -238,14 +266,17 @@ class V50Result(StudyResult):
         if self.study.curves["probit"].reason:
             return "V50", "not determined"
         around = self.assumed_range
-        over = [brief_words(self.left_out)]
-        if around is not None:
-            span = f"{around.low:.1f} to {around.high:.1f} m/s"
-            over.insert(0, f"{around.quantity} over what is assumed: {span}")
+        covered = brief_words(self.left_out, self.chosen)
         sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s by the number of shots, 95 %"
         if self.study.curves["probit"].separated:
             sampled = "without an interval, as no stop is faster than a perforation"
-        return "V50", f"{self.v50:.1f} m/s ({'; '.join(filter(None, (sampled, *over)))})"
+        parts = [sampled, covered]
+        if around is not None:
+            span = f"{around.low:.1f} to {around.high:.1f} m/s"
+            parts.insert(1, f"{around.quantity} over what is assumed: {span}")
+        if self.target.setup.crossovers is not None:  # it rests on friction between yarns first
+            parts.insert(0, parts.pop())
+        return "V50", f"{self.v50:.1f} m/s ({'; '.join(filter(None, parts))})"
 
     @property
     def draws_strengths(self) -> bool:
@@ -267,6 +298,8 @@ class V50Result(StudyResult):
         stops = [shot.velocity for shot in shots if not shot.perforated]
         low, high = study.deterministic
         remarks = [f"{' '.join(self.headline)}."]
+        if self.chosen:
+            remarks.append(f"{self.chosen[0].upper()}{self.chosen[1:]}.")
         remarks += [f"{curve.words()}." for curve in study.curves.values()]
         remarks.append(f"{study.six_shots.words()}.")
         if len(shots) + len(study.failures) <= self.batch:
@@ -372,6 +405,8 @@ class V50Result(StudyResult):
             "inputs": given,
             "wall_time": self.wall_time,
         }
+        if self.chosen:
+            content["chosen"] = self.chosen
         return {
             "v50.json": content,
             "v50.csv": self.table().to_csv(index=False, float_format="%.6g"),

@@ -43,7 +43,13 @@ from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
-from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
+from weavecell.results.left_out import (
+    LeftOut,
+    find_left_out,
+    lines_of,
+    name_friction,
+    summarise,
+)
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
@@ -253,14 +259,14 @@ class _Shooting:
         pinned = replace(self.target, setup=choice.with_pinned(setup))
         if shot.failure is not None:
             return shot, pinned, ""
-        reason = choice.find_reason(setup, setup.strike_velocity, shot.result.checks)
-        if not reason:
-            return shot, pinned, choice.PINNED_ENOUGH
+        chosen = choice.choose(setup, setup.strike_velocity, shot.result.checks)
+        if not chosen.resolved:
+            return shot, pinned, str(chosen)
         before = f"pinned yarns: {shot.result.outcome}, {shot.result.residual_velocity:.1f} m/s"
-        logging.getLogger("weavecell").info(f"{before}; {reason}; {more._seconds} at most")
+        logging.getLogger("weavecell").info(f"{before}; {chosen}; {more.cost} at most")
         resolved = choice.with_resolved(setup)
         target = replace(self.target, setup=resolved)
-        return self.shoot(resolved, mesh="resolved yarns"), target, f"{reason} ({before})"
+        return self.shoot(resolved, mesh="resolved yarns"), target, f"{chosen} ({before})"
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.
@@ -692,8 +698,10 @@ class ShotResult(ImpactRecord, Result):
         """Return title, outcome and residual velocity in one line."""
         from weavecell.report.shot import chapters_shot
 
-        why = f"; {self.chosen}" if self.chosen else ""
-        return f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}{why}"
+        parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
+        if self.target is not None:
+            parts.append(name_friction(self.target.setup, self.assumed_range))
+        return "; ".join(filter(None, (*parts, self.chosen)))
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation

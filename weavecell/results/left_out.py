@@ -57,15 +57,14 @@ def find_left_out(
         text = f'yarns are pinned where they cross: {nose} (crossovers = "yarns")'
         found.append(LeftOut(MODEL, "yarns pinned", text))
     names = ", ".join(assumed_range.changes(setup))
+    friction = name_friction(setup, around)
     if around is None and names:
-        first = _friction_between_yarns(setup)
+        first = f"{friction}; " if friction else ""
         brief = f"{first}range over what is assumed not computed"
         text = f"{first}the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
         found.append(LeftOut(DATA, brief, text))
-    elif around is not None and setup.crossovers is not None:
-        interval = around.over_friction_between_yarns
-        if interval:
-            found.append(LeftOut(DATA, interval, f"{around.quantity} rests on {interval}"))
+    elif around is not None and friction:
+        found.append(LeftOut(DATA, friction, f"{around.quantity} rests on {friction}"))
     if not mesh_compared:
         way = option("uncertainty")
         text = f"the error of the mesh is not computed; {way} of an impact, or docs/accuracy.md"
@@ -75,19 +74,39 @@ def find_left_out(
     return tuple(found)
 
 
-def _friction_between_yarns(setup):
-    """What an answer of resolved yarns rests on first, where it is assumed: their friction, with its interval."""
-    if setup.crossovers is None or not setup.crossovers.assumed_lines:
+def name_friction(setup: ImpactSetup, around: Any = None) -> str:
+    """Name the friction between resolved yarns with its interval, where it is assumed: an answer
+    rests on it first. With the velocities over that interval, where these were computed.
+
+    Parameters
+    ----------
+    around : AssumedRange of the answer, or None
+    """
+    if setup.crossovers is None:
+        return ""
+    if around is not None:
+        return around.over_friction_between_yarns
+    if not setup.crossovers.assumed_lines:
         return ""
     from weavecell.studies.inputs import FRICTION_OF_CROSSOVERS, ranges
 
     entry = ranges()[FRICTION_OF_CROSSOVERS]
-    return f"friction between yarns assumed, {entry.low:g} to {entry.high:g}; "
+    return f"friction between yarns assumed, {entry.low:g} to {entry.high:g}"
 
 
-def brief_words(left_out: Iterable[LeftOut]) -> str:
-    """Say in a few words, for a headline, what is left out."""
-    return "; ".join(part.brief for part in left_out if part.brief)
+def brief_words(left_out: Iterable[LeftOut], chosen: str = "") -> str:
+    """Say in a few words, for a headline, what is left out.
+
+    Parameters
+    ----------
+    chosen : whether yarns are pinned or resolved and why, if the checks chose: in place of that they
+        are pinned, and behind the friction that resolved ones rest on
+    """
+    parts = [part for part in left_out if part.brief]
+    words = [part.brief for part in parts if not (chosen and part.kind == MODEL)]
+    pinned = len(words) < len(parts)
+    words.insert(0 if pinned else len(words), chosen)
+    return "; ".join(filter(None, words))
 
 
 def lines_of(left_out: Iterable[LeftOut]) -> list[str]:

@@ -1,32 +1,55 @@
-"""Pinned or resolved yarns, as the checks of pinned ones say (`crossovers = "auto"`).
+"""Decide between pinned and resolved yarns by the checks of runs with pinned ones (`crossovers =
+"auto"`).
 
-Pinned yarns are enough unless the nose would part them, which takes less friction than
-`yarns.model.friction_to_hold`, or unless they unzip (the check "unzipping"). Then the yarns are resolved about the
-nose, at the cost of a second run.
+Pinned yarns are enough unless the nose would push them aside, since their friction is below
+`yarns.holding.friction_to_hold`, or unless they unzip (the check "unzipping"). Then the yarns about
+the nose are resolved, at the cost of a second run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from shellfabric.yarns.model import aim, friction_of_plies
+from shellfabric.yarns.holding import friction_of_plies
+from shellfabric.yarns.model import DATA, aim
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.quality import Indicator
+    from weavecell.studies.ballistic_limit import Limit
 
-PINNED_ENOUGH = "yarns pinned: the checks ask for no more"
+
+@dataclass(frozen=True)
+class Choice:
+    """A choice between pinned and resolved yarns.
+
+    Parameters
+    ----------
+    resolved : whether the yarns are resolved
+    why : in words
+    """
+
+    resolved: bool
+    why: str
+
+    def __str__(self) -> str:
+        return f"yarns {'resolved' if self.resolved else 'pinned'}: {self.why}"
 
 
 def with_pinned(setup: ImpactSetup) -> ImpactSetup:
-    """Return the set-up with pinned yarns, which are tried first."""
-    return replace(setup, instead=None)
+    """Return the set-up with pinned yarns, which are tried first and judged by the friction of the
+    resolved ones; one that leaves no choice as it is."""
+    zone = setup.instead
+    if zone is None:
+        return setup
+    return replace(setup, instead=None, yarn_friction=zone.friction)
 
 
 def with_resolved(setup: ImpactSetup) -> ImpactSetup:
-    """Return the set-up with the yarns that are resolved if pinned ones are not enough."""
+    """Return the set-up with resolved yarns, which follow if pinned ones are not enough: the whole
+    panel, struck beside a crossover unless an impact point is given."""
     zone = setup.instead
     assert zone is not None
     point = setup.impact_point
@@ -35,28 +58,54 @@ def with_resolved(setup: ImpactSetup) -> ImpactSetup:
     return replace(setup, crossovers=zone, instead=None, impact_point=point, symmetry="whole")
 
 
-def find_reason(
+def choose(
     setup: ImpactSetup, velocity: float, indicators: Iterable[Indicator], at: str = ""
-) -> str:
-    """Say why yarns have to be resolved; "" where pinned ones are enough.
+) -> Choice:
+    """Choose between pinned and resolved yarns.
 
     Parameters
     ----------
-    setup : with `instead`
+    setup : set-up with `instead`
     velocity : [m/s] of the strike
-    indicators : of the shots with pinned yarns
-    at : words behind the velocity, such as that it is a limit
+    indicators : checks of the shots with pinned yarns
+    at : words that follow the velocity, such as that it is a limit
     """
     zone = setup.instead
     assert zone is not None
     for one in indicators:
         if one.name == "unzipping" and one.doubtful:
-            return f"yarns resolved: pinned ones unzip, {one.number} times those under the nose are cut"
+            return Choice(
+                True, f"pinned ones unzip, {one.number} times those under the nose are cut"
+            )
     panels = [one.panel(one.plain_table()) for one in with_pinned(setup).kinds]
     needed = friction_of_plies(panels, velocity)
-    if needed is None or needed <= zone.friction:
+    if needed is None:
+        return Choice(False, "the checks ask for no more")
+    low, high = needed
+    theirs = f"{zone.friction:g}{_assumed_span(zone)}"
+    holding = f"at {velocity:.4g} m/s{at} a friction of {low:.2g} to {high:.2g}, by the fabric, holds them"
+    return Choice(high > zone.friction, f"{holding}, and theirs is {theirs}")
+
+
+def choose_by_limit(setup: ImpactSetup, found: Limit) -> Choice:
+    """Choose between pinned and resolved yarns by a limit with pinned ones: by the checks of the shots
+    at the ends of its bracket.
+
+    Parameters
+    ----------
+    setup : set-up with `instead`
+    found : limit with pinned yarns
+    """
+    ends = [one for shot in found.ends for one in shot.checks]
+    chosen = choose(setup, found.velocity, ends, ", the limit of pinned ones,")
+    if not chosen.resolved:
+        return chosen
+    return replace(chosen, why=f"{chosen.why} (limit of pinned yarns {found.velocity:.1f} m/s)")
+
+
+def _assumed_span(zone):
+    """What is assumed of the friction between yarns, in words; "" where it is given."""
+    if not zone.assumed_lines:
         return ""
-    return (
-        f"yarns resolved: at {velocity:.4g} m/s{at} a friction of {needed:.2g} holds them, "
-        f"and theirs is {zone.friction:g}"
-    )
+    entry = DATA["crossover_friction"]
+    return f", assumed {entry['low']:g} to {entry['high']:g}"

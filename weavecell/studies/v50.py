@@ -34,12 +34,15 @@ from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,
+    choice,
     lambert_jonas,
     probit,
     protocol,
     strengths,
 )
 from weavecell.studies.assumed_range import AssumedRange
+from weavecell.studies.ballistic_limit import Limit
+from weavecell.studies.choice import Choice
 from weavecell.studies.inputs import Scatter, read_scatter, scale_setup
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import Series, SixShots
@@ -187,15 +190,14 @@ def fire(
     return Shot(number, velocity, left, through, **panel, balance=shot.balance)
 
 
-def deterministic(setup: ImpactSetup, tolerance: float) -> tuple[float, float]:
-    """Search (low, high) [m/s] of `ballistic_limit.critical_velocity` without scatter, on the part
-    that the set-up models."""
+def deterministic(setup: ImpactSetup, tolerance: float) -> Limit:
+    """Search the limit of `ballistic_limit.critical_velocity` without scatter, on the part that the
+    set-up models."""
     # runs of a study share the processors: one thread each
     numerics = replace(setup.numerics, threads=1)
-    limit = ballistic_limit.critical_velocity(
+    return ballistic_limit.critical_velocity(
         replace(setup, numerics=numerics).target(), tolerance=tolerance
     )
-    return limit.low, limit.high
 
 
 def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
@@ -291,15 +293,14 @@ def study(
             raise InputError(key=key, value=value, allowed=f"at least {LEAST}")
     # refused before the first shot
     strengths.check(setup, scatter)
-    setup = replace(
-        grade_mesh(setup), strike_velocity=1.0, history=None, snapshot_interval=None
-    )  # which name no kept shot
+    setup = _as_fired(setup)
     scatters = scatter != Scatter(gauge_length=scatter.gauge_length)
     fired: list[Shot] = []
     with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
         # one pool serves all rounds: starting workers takes longer than many a shot
         runs["executor"] = pool
-        (bracket,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
+        (limit,) = run_cache.results(deterministic, [(setup, tolerance)], **runs)
+        bracket = limit.low, limit.high
         while (begun := len(fired)) < shots:
             count = min(batch, shots - begun)
             # the first round has no outcomes to go by, only the limit without scatter
@@ -323,6 +324,42 @@ def study(
     failures = tuple(shot.failure for shot in fired if shot.failure)
     curves = {link: _curve(counted, link) for link in probit.LINKS}
     return Study(bracket, counted, curves, scatter, failures)
+
+
+def choose_yarns(
+    setup: ImpactSetup,
+    scatter: Scatter,
+    *,
+    batch: int,
+    seed: int = 1,
+    tolerance: float = 1.0,
+    **runs: Any,
+) -> Choice:
+    """Choose between pinned and resolved yarns.
+
+    The limit without scatter decides; if it does not ask for resolved yarns, the first round of
+    shots. Both are those of `study` with pinned yarns, which finds them in its folder.
+
+    Parameters
+    ----------
+    setup : set-up with `instead`
+    others : as in `study`
+    """
+    pinned = choice.with_pinned(setup)
+    (limit,) = run_cache.results(deterministic, [(_as_fired(pinned), tolerance)], **runs)
+    chosen = choice.choose_by_limit(setup, limit)
+    if chosen.resolved:
+        return chosen
+    look = study(pinned, scatter, shots=batch, batch=batch, seed=seed, tolerance=tolerance, **runs)
+    unzipped = sum("unzipping" in shot.doubtful for shot in look.shots)
+    if not unzipped:
+        return chosen
+    return Choice(True, f"pinned ones unzip in {unzipped} of the first {batch} shots")
+
+
+def _as_fired(setup):
+    """The set-up on the mesh of a study, without what names no kept shot."""
+    return replace(grade_mesh(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
 
 
 def _outcomes(shots):
@@ -357,7 +394,7 @@ def run_assumed_range(
     again : whether V50 is computed
     report : called as report(searches done, searches), and then as report(shots done, shots)
     """
-    setup = replace(grade_mesh(setup), strike_velocity=1.0, history=None, snapshot_interval=None)
+    setup = _as_fired(setup)
     ends = assumed_range.changes(setup)
     middle = 0.5 * sum(result.deterministic)
 
@@ -392,6 +429,6 @@ def run_assumed_range(
 def search_limit(setup: ImpactSetup, tolerance: float) -> tuple[str, float | None]:
     """Search the limit without scatter: ("", [m/s]), or (why there is none, None)."""
     try:
-        return "", 0.5 * sum(deterministic(setup, tolerance))
+        return "", deterministic(setup, tolerance).velocity
     except WeavecellError as problem:
         return str(problem), None

@@ -12,10 +12,10 @@ from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.checkpoint import Checkpoints
 from shellfabric.loop.pack_solver import PackSolver
-from shellfabric.membrane import arrays, quality
+from shellfabric.membrane import arrays
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.yarns.model import YarnZone, aim, friction_of_plies, friction_to_hold
+from shellfabric.yarns.model import YarnZone, aim
 from shellfabric.yarns.part import slip_at_rim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
@@ -152,50 +152,6 @@ def test_slip_beside_the_rim_says_how_wide_the_zone_is(table):
     assert slip_at_rim(zone) == 0.0
     zone.place[2, 5, 0] += 1.5
     assert slip_at_rim(zone) == pytest.approx(0.75)
-
-
-def test_a_pinned_run_that_stops_a_nose_names_the_friction_that_this_takes(table):
-    """Of one ply of pinned yarns with a nose of a few spacings; not of one that passes."""
-    pinned = replace(SETUP, crossovers=None, elements_per_crossover=1, strike_velocity=45.0)
-    shots = {}
-    for name, end_time in (("stopped", 250e-6), ("in flight", 20e-6)):
-        result = run_impact(replace(pinned, end_time=end_time), table=table)
-        assert result.outcome == name
-        shots[name] = {check.name: check for check in result.checks}
-    check = shots["stopped"]["friction to hold yarns"]
-    assert check.value == pytest.approx(4.4 * (45.0 / 8165.0) ** (2 / 3), rel=1e-3)
-    assert check.status == "ok"
-    assert "friction to hold yarns" not in shots["in flight"]
-    panel = pinned.panel(table)
-    assert quality.indicator(check.name, friction_to_hold(panel, 110.0)).status == "noted"
-    wide = replace(panel, projectile=replace(SPHERE, radius=8e-3))
-    assert friction_to_hold(wide, 110.0) is None
-    flat = replace(panel, projectile=Projectile(mass=0.69e-3, radius=2.78e-3))
-    round_nose = friction_to_hold(panel, 110.0)
-    assert friction_to_hold(flat, 110.0) == pytest.approx(2.8 / 4.4 * round_nose)
-    # of a pack, the ply that asks for most; the case friction-rule-sphere passes with 0.2
-    assert friction_of_plies((wide, flat, panel), 110.0) == round_nose > 0.2
-    assert friction_of_plies((wide, wide), 110.0) is None
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "velocity"), [("S-728", 96.0), ("S-720", 90.0)])
-def test_with_the_friction_of_the_rule_resolved_yarns_stop_a_nose_as_pinned_ones_do(name, velocity):
-    """With 0.1 they let it pass; the rule asks for 0.14 of both."""
-    fabric = catalogue.load(name)
-    cylinder = Projectile(mass=3e-3, radius=2.75e-3, edge_radius=0.3e-3)
-    setup = ImpactSetup(
-        fabric, velocity, projectile=cylinder, opening=0.203, symmetry="whole", end_time=700e-6,
-        impact_point=aim(fabric.weave),
-    )  # fmt: skip
-    table = setup.table(kept=True)
-    needed = friction_to_hold(setup.panel(table), velocity)
-    assert 0.13 < needed < 0.15
-    outcomes = []
-    for friction in (0.1, needed):
-        resolved = replace(setup, crossovers=YarnZone(friction=friction))
-        outcomes.append(run_impact(resolved, table=table).outcome)
-    assert outcomes == ["perforated", "stopped"]
 
 
 def test_each_yarn_of_the_zone_has_the_strength_of_its_own_line(table):
