@@ -18,7 +18,7 @@ from shellfabric.membrane.membrane_kernels import (
     scratch_slot,
     share_forces,
 )
-from shellfabric.state import WARP, WEFT, unit
+from shellfabric.state import RESOLVED, WARP, WEFT, unit
 
 
 @unit(later=True)
@@ -114,7 +114,10 @@ def damaged_trellis(state, const, work, first, last):
 
 @kernel()
 def trellis_intact_fraction(const, state, k):
-    """Compute the intact fraction of the trellis of element k."""
+    """Compute the intact fraction of the trellis of element k: 0 where its yarns are resolved, which
+    bear shear by themselves."""
+    if state.element_flag[k] & RESOLVED:
+        return 0.0
     warp = state.intact_fraction[WARP]
     weft = state.intact_fraction[WEFT]
     return 0.25 * (warp[k] + warp[k + ONE]) * (weft[k] + weft[k + np.uint64(const.row_stride)])

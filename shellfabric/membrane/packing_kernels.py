@@ -131,14 +131,14 @@ def mean_sides(state, const, k):
 
 @kernel(_nrt=False)
 def is_fabric(state, const, k):
-    """Tell whether the element at slot k has yarns of both families, and is not torn and drawn
-    out."""
+    """Tell whether the element at slot k has yarns of both families, is not torn and drawn out, and
+    is none whose yarns are resolved."""
     s = np.uint64(const.row_stride)
     warp = state.intact_fraction[0]
     weft = state.intact_fraction[1]
     if warp[k] + warp[k + ONE] == 0.0 or weft[k] + weft[k + s] == 0.0:
         return False
-    return state.element_flag[k] & DRAWN_OUT == 0
+    return state.element_flag[k] & (DRAWN_OUT | RESOLVED) == 0
 
 
 @unit("number", later=True)

@@ -59,11 +59,7 @@ def take_pushes(zone, state, const):
 @kernel(_nrt=False)
 def place_shadow(zone, state, const):
     """Set places, velocities and forces of the shadow nodes from their chains, and erode the
-    elements that are no fabric any more.
-
-    At the four corners of the zone the membrane has an element with yarns of both families, whose forces
-    on the shadow node the chains take.
-    """
+    elements that are no fabric any more."""
     for i in range(zone.yarns[1]):
         for j in range(zone.yarns[0]):
             a, b, k = nodes_at(zone, i, j)
@@ -75,9 +71,6 @@ def place_shadow(zone, state, const):
                     at_rest = zone.tied_rest[2 * (zone.yarns[0] + i), 0]
                 if c == 1:
                     at_rest = zone.tied_rest[2 * j, 1]
-                corner = state.f_int[c][k] + state.f_int_above[c][k]
-                zone.f[c, a] += zone.warp_share * corner
-                zone.f[c, b] += (1.0 - zone.warp_share) * corner
                 state.u[c][k] = of_both(zone, a, b, zone.x[c, a], zone.x[c, b]) - at_rest
                 state.v[c][k] = of_both(zone, a, b, zone.v[c, a], zone.v[c, b])
                 warp = zone.inverse_mass[a] * zone.f[c, a]
