@@ -4,14 +4,16 @@ The last node of a chain IS the membrane's node of the rim crossing: one place, 
 mass, the sum of both forces. Nothing is interpolated in space, so that momentum and energy are those of one
 system. Yarn does not pass the rim.
 
-Inside the rim the membrane has no edges and no mass. In a step the membrane's nodes and the nose have moved, and the
-membrane has its own forces, when the zone moves. It makes m steps in one of the membrane, in which rim and nose go on
-at their velocities. The mean F of its forces on them over these steps is late by
-(m - 1) / (2 m) steps of the membrane, which would make energy. Rim and nose therefore take
+Inside the rim the membrane has no edges, no trellis and no mass. In a step the membrane's nodes and
+the nose have moved, and the membrane has its own forces, when the zone moves. It makes m steps in
+one of the membrane, in which rim and nose go on at their velocities. With the forces F_0 on them
+before the first of these steps and F_1 .. F_m after each, they take
 
-    F(n) + (m - 1) / (2 m) (F(n) - F(n - 1))
+    (F_0 / 2 + F_1 + .. + F_(m-1) + F_m / 2) / m + (F_m - F_0) / 2
 
-whose sum over all steps is that of F.
+the mean force, moved from the middle of the membrane's step to its end. Summed over all steps it is
+the impulse of the F. While a rim node alone moves, it is F_m: a force that is late, or extrapolated
+from the step before, is damping below 0, which makes energy when cut yarns recoil.
 """
 
 import numpy as np
@@ -26,9 +28,6 @@ from shellfabric.yarns.shadow_kernels import place_shadow, take_pushes
 from shellfabric.yarns.state import Zone
 from shellfabric.yarns.zone_kernels import inner_forces
 
-PRESENT = 0  # of zone.outer_force
-BEFORE = 1
-
 
 @unit("number", later=True, own=Zone)
 def yarn_forces(state, const, own, first, last, acting):
@@ -41,13 +40,13 @@ def march_zone(state, const, own):
     """Move the zone through a step of its ply, under the nose."""
     steps = own.substeps
     end = three(state.projectile_position, 0)
-    own.outer_force[PRESENT] = 0.0
+    begin_outer_forces(own)
     if own.has_shadow:
         take_pushes(own, state, const)
     subcycle(step_zone, (own, state, const, end), steps, const.dt)
     for c in range(3):
         state.projectile_position[c] = end[c]
-    give_outer_forces(own, state, 0.5 * (steps - 1) / steps)
+    give_outer_forces(own, state)
     write_to_ply(own, state)
     if own.has_shadow:
         place_shadow(own, state, const)
@@ -79,28 +78,36 @@ def follow_rim(zone, state, left):
 
 
 @kernel(_nrt=False)
-def count_outer_forces(zone, state, share):
-    """Add a share of the forces on the tied nodes and, after them, on the nose to their means."""
-    mean = zone.outer_force[PRESENT]
-    for c in range(3):
-        for t in range(zone.tied_node.size):
-            mean[t, c] += share * zone.f[c, zone.tied_node[t]]
-        mean[-1, c] += share * state.f_contact_nose[c]
+def begin_outer_forces(zone):
+    """Begin what rim and nose take with the forces before the step, F_0 (see above)."""
+    share = 0.5 / zone.substeps - 0.5
+    for k in range(zone.outer_force.shape[0]):
+        for c in range(3):
+            zone.taken_force[k, c] = share * zone.outer_force[k, c]
 
 
 @kernel(_nrt=False)
-def give_outer_forces(zone, state, ahead):
-    """Add the mean forces, extrapolated `ahead` [steps], to those of the membrane's nodes; give the nose its own."""
-    present = zone.outer_force[PRESENT]
-    before = zone.outer_force[BEFORE]
+def count_outer_forces(zone, state, share):
+    """Find the forces on the tied nodes and, after them, on the nose; add a share of them to what
+    these take."""
     for c in range(3):
-        for t in range(present.shape[0]):
-            force = present[t, c] + ahead * (present[t, c] - before[t, c])
-            before[t, c] = present[t, c]
-            if t < zone.tied_slot.size:
-                state.f_int[c][np.uint64(zone.tied_slot[t])] += force
-            else:
-                state.f_contact_nose[c] = force
+        for t in range(zone.tied_node.size):
+            zone.outer_force[t, c] = zone.f[c, zone.tied_node[t]]
+        zone.outer_force[-1, c] = state.f_contact_nose[c]
+        for k in range(zone.outer_force.shape[0]):
+            zone.taken_force[k, c] += share * zone.outer_force[k, c]
+
+
+@kernel(_nrt=False)
+def give_outer_forces(zone, state):
+    """Add to the forces of the membrane's nodes and of the nose what they take, with F_m (see
+    above)."""
+    share = 0.5 - 0.5 / zone.substeps
+    for c in range(3):
+        for t in range(zone.tied_slot.size):
+            force = zone.taken_force[t, c] + share * zone.outer_force[t, c]
+            state.f_int[c][np.uint64(zone.tied_slot[t])] += force
+        state.f_contact_nose[c] = zone.taken_force[-1, c] + share * zone.outer_force[-1, c]
 
 
 @kernel(_nrt=False)

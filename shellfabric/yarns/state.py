@@ -111,11 +111,9 @@ class Zone(Row):
     furthest = number("m", "that the two yarns of a shadow node can be apart")
     has_shadow = flag("whether other plies or a block see the zone, by its shadow nodes")
     outer_force = array(
-        "2, n, 3",
-        "N",
-        "on these and the nose, mean over this and the last step of the ply",
-        kept=True,
+        "n, 3", "N", "on the ends of the chains and on the nose, at the last step", kept=True
     )
+    taken_force = array("n, 3", "N", "what rim and nose take of them in a step of the ply")
     stored = total("J", "that the yarns store", kept=True)
     stored_at_crossings = total("J", "that crossings store", kept=True)
     stored_at_neighbours = total("J", "that neighbours store", kept=True)

@@ -51,19 +51,21 @@ def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
 
 
 def test_nose_membrane_and_zone_keep_their_momentum(table):
-    """Of a free panel, to what rim and nose take ahead of the mean force of the last step."""
+    """Of a free panel, to rounding: the zone's own steps are shorter, so is what its last force gives."""
     solver = PackSolver(replace(SETUP, boundary="free").target(table), 60.0, 40e-6)
     solver.run()
     zone = solver.part("yarns").zone
     state = solver.state
     const = solver.const
-    assert zone.substeps == 3
+    assert zone.substeps == 2
     given = SPHERE.mass * 60.0
     kept = SPHERE.mass * solver.stack.projectile_velocity[2]
     kept += const.dt * state.f_contact_nose[2]
     kept += state.mass @ state.v[2] + const.dt * (state.f_int[2] + state.f_int_above[2]).sum()
     kept += (zone.mass * zone.v[2] + zone.dt * zone.f[2])[zone.inverse_mass > 0].sum()
-    assert kept == pytest.approx(given, rel=1e-4)
+    assert abs(zone.outer_force[:, 2]).max() > 1.0
+    kept -= 0.5 * (const.dt - zone.dt) * zone.outer_force[:, 2].sum()
+    assert kept == pytest.approx(given, rel=1e-12)
 
 
 def test_a_panel_that_is_sheared_keeps_its_energy_at_the_corners_of_the_zone(table):
@@ -74,6 +76,17 @@ def test_a_panel_that_is_sheared_keeps_its_energy_at_the_corners_of_the_zone(tab
     result = run_impact(setup, table=table)
     assert result.energies["shear"][-1] > 0.02 * result.strike_energy
     assert energies_hold(result, 2e-4)
+
+
+@pytest.mark.parametrize("velocity", [80.0, 110.0])
+def test_yarns_that_recoil_to_the_rim_keep_their_energy(table, velocity):
+    """With the mean force on the rim extrapolated from the step before they made 0.13 %."""
+    nose = Projectile(mass=2e-3, radius=4e-3, shape="hemisphere", edge_radius=0.2e-3)
+    setup = replace(SETUP, projectile=nose, crossovers=YarnZone(10e-3, 0.08), end_time=150e-6)
+    result = run_impact(replace(setup, strike_velocity=velocity), table=table)
+    assert result.outcome == "perforated"
+    assert result.cut_yarns[-1] > 5
+    assert energies_hold(result, 6e-4)
 
 
 def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
