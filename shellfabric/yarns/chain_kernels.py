@@ -2,18 +2,20 @@
 
     T = E A (l / l0 - 1), at least 0,    T_v = xi sqrt(E A lambda) dl/dt, at least -T
 
-with the linear density lambda: xi is the damping ratio of the highest mode of a chain with lumped masses. A yarn of
-family 0 (warp) lies along x, of family 1 (weft) along y; node n and segment n, from node n to n + 1, share a number.
+with the linear density lambda: xi is the damping ratio of the highest mode of a chain with lumped
+masses. A yarn of family 0 (warp) lies along x, of family 1 (weft) along y; node n and segment n,
+from node n to n + 1, share a number.
 
 A segment fails by the criterion of the membrane (`membrane.failure_kernels`), whose lines are here
 the yarns themselves: M, the mean of the tensions of the same segment of neighbouring yarns over the
 fabric's failure length, and F, which follows M over the time of a wave across that length. It
 breaks in the step after F has passed the strength.
 
-Books. The kinetic energy of central differences changes in a step by v(n-1/2) (f(n) + f(n-1)) dt / 2: works of
-dissipative forces are those of the mean of the old and the new force, each in its own direction: a segment that whips
-turns by a few hundredths in a step. That mean is not the change of the energy of a segment that snaps taut or goes
-slack within the step: `zone.lost_in_snaps` has the rest, as "yarn_snap" of the membrane has it.
+Books. The kinetic energy of central differences changes in a step by v(n-1/2) (f(n) + f(n-1)) dt /
+2: works of dissipative forces are those of the mean of the old and the new force, each in its own
+direction: a segment that whips turns by a few hundredths in a step. That mean is not the change of
+the energy of a segment that snaps taut or goes slack within the step: `zone.lost_in_snaps` has the
+rest, as "yarn_snap" of the membrane has it.
 """
 
 import math
@@ -29,7 +31,8 @@ ROUNDING = 1e-12  # strain below which a segment counts as at rest
 
 @entry(_nrt=False)
 def move(zone):
-    """Move the nodes by one step; those that are tied or led have no mobility, and go on at their velocity."""
+    """Move the nodes by one step; those that are tied or led have no mobility, and go on at their
+    velocity."""
     for c in range(3):
         x = zone.x[c]
         v = zone.v[c]
@@ -69,7 +72,8 @@ def chain_forces(zone):
 def break_segments(zone):
     """Take out the segments that are to break.
 
-    Half of the work of a step is that of the force at its begin: their tension does it for the last time.
+    Half of the work of a step is that of the force at its begin: their tension does it for the last
+    time.
     """
     zone.segments_to_break = 0
     for family in range(2):
@@ -93,8 +97,8 @@ def stretch_segments(zone, family, first, last):
     """Compute the tensions of the segments of a family, whose nodes are first .. last - 1; their
     forces on the nodes before them.
 
-    A loop over all of them, which LLVM turns into vector instructions. What lies between the end of a yarn and the
-    next one is not whole. The forces go into zone.pull.
+    A loop over all of them, which LLVM turns into vector instructions. What lies between the end of
+    a yarn and the next one is not whole. The forces go into zone.pull.
     """
     count = last - first - 1
     x, y, z = parts_of(zone.x, first, count)
@@ -173,7 +177,8 @@ def pull_nodes(pull, f):
 
 @kernel(_nrt=False)
 def follow_tensions(zone):
-    """Let F of each segment follow its M, and mark the segments that break; keep the highest tension."""
+    """Let F of each segment follow its M, and mark the segments that break; keep the highest
+    tension."""
     for family in range(2):
         for n in range(*nodes_of(zone, family)):
             half = zone.half_strength[n]

@@ -1,16 +1,19 @@
 """Where warp and weft cross: contact along the common normal, friction across it.
 
-A crossing is a pair of indices (s_a, s_b) on the B-splines of its two chains (`curve_kernels`), moved in each step by
-at most three steps of Gauss and Newton to the common perpendicular d = x_a - x_b of the two curves:
+A crossing is a pair of indices (s_a, s_b) on the B-splines of its two chains (`curve_kernels`),
+moved in each step by at most three steps of Gauss and Newton to the common perpendicular d = x_a -
+x_b of the two curves:
 
-    n = +- t_a x t_b / |t_a x t_b|,   F_n = F(h - d.n),   friction: k xi with |k xi| <= mu F_n,   dxi/dt = w - n (w.n)
+    n = +- t_a x t_b / |t_a x t_b|,   F_n = F(h - d.n)
+    friction: k xi with |k xi| <= mu F_n,   dxi/dt = w - n (w.n)
 
-with the tangents t, the sign of n from the weave (which yarn lies on top), h the distance at rest, F the compression of
-both yarns in series, w the velocity of the warp over the weft. n is at right angles to both tangents, so that the
-motion of the indices does no work. Crossings of the outer rows are pinned: their indices stay, and nothing slips.
+with the tangents t, the sign of n from the weave (which yarn lies on top), h the distance at rest,
+F the compression of both yarns in series, w the velocity of the warp over the weft. n is at right
+angles to both tangents, so that the motion of the indices does no work. Crossings of the outer rows
+are pinned: their indices stay, and nothing slips.
 
-A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is counted. So
-does one whose indices run along a loop or along the whipping end of a yarn: away from the common
+A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is counted.
+So does one whose indices run along a loop or along the whipping end of a yarn: away from the common
 perpendicular d is not along n, and F_n would do work where n turns. It comes back at the distance
 at which it is found, and that distance follows the yarns as they come apart, up to h: coming back
 does no work. A yarn leaves a crossing for good at its end.
@@ -136,7 +139,8 @@ def crossing_force(zone, i, j):
     normal = scaled(1.0 / size, normal)
     distance = dot(apart, normal)
     if whole and not slack and distance <= 0.0:
-        # the yarns have changed sides: of slack ones no more than a loop, of taut ones the order is lost
+        # the yarns have changed sides: of slack ones no more than a loop, of taut ones the order is
+        # lost
         slack = zone.contact_onset[i, j] < zone.gap
         if not slack:
             whole = False

@@ -5,7 +5,8 @@ tangent: at the index s, with k the nearest node and u = s - k,
 
     x(s) = (1/2 - u)^2 / 2 x_(k-1) + (3/4 - u^2) x_k + (1/2 + u)^2 / 2 x_(k+1)
 
-A force at s goes to the three nodes by the same weights, so that force, moment and work are those at the point.
+A force at s goes to the three nodes by the same weights, so that force, moment and work are those
+at the point.
 """
 
 import numpy as np

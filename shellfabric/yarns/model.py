@@ -1,7 +1,7 @@
 """A panel with a zone of resolved yarns about the nose.
 
-Outside the zone the panel is the membrane, with one node a crossover; the two are tied at the rim, and each
-has its own time step (`coupling_kernels`).
+Outside the zone the panel is the membrane, with one node a crossover; the two are tied at the rim,
+and each has its own time step (`coupling_kernels`).
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ class YarnZone:
 
     Parameters
     ----------
-    half_width : [m] of the square zone about the impact point; inf resolves the whole panel; None takes the default
+    half_width : [m] of the square zone about the impact point; inf resolves the whole panel; None
+        takes the default
     friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
     lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
     seed : of the aim, by which plies of a pack are shifted against each other (`lie_anywhere`)
@@ -79,7 +80,8 @@ class YarnZone:
 
     @property
     def assumed_lines(self) -> tuple[str, ...]:
-        """A line about the friction if it is the assumed one, which decides the outcome of many shots."""
+        """A line about the friction if it is the assumed one, which decides the outcome of many
+        shots."""
         entry = DATA["crossover_friction"]
         if self.friction != entry["value"]:
             return ()
@@ -93,8 +95,8 @@ class YarnZone:
 def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
     """Choose the impact point [m] from a crossover, along warp and weft.
 
-    Anywhere in a cell of the weave, two crossovers each way, by a seed; without one a quarter of a spacing off: neither
-    on a crossover, nor on a yarn, nor in the middle of a gap.
+    Anywhere in a cell of the weave, two crossovers each way, by a seed; without one a quarter of a
+    spacing off: neither on a crossover, nor on a yarn, nor in the middle of a gap.
     """
     share = np.full(2, OFF_CROSSOVER)
     if seed is not None:
@@ -105,7 +107,8 @@ def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, f
 
 @dataclass(frozen=True)
 class YarnPanel(Panel):
-    """A Panel with a zone of resolved yarns; a crossover in the middle of the opening, wherever it is struck.
+    """A Panel with a zone of resolved yarns; a crossover in the middle of the opening, wherever it
+    is struck.
 
     Parameters
     ----------
@@ -115,8 +118,8 @@ class YarnPanel(Panel):
 
     Raises
     ------
-    InputError : as Panel; what the zone does not have, a zone that is too small for the nose, or one that an edge of
-        the opening crosses
+    InputError : as Panel; what the zone does not have, a zone that is too small for the nose, or
+        one that an edge of the opening crosses
     """
 
     resolved: YarnZone = field(default_factory=YarnZone)
@@ -150,12 +153,16 @@ class YarnPanel(Panel):
         (i0, i1), (j0, j1) = self.rim_rows
         reach = self.projectile.radius
         if self.projectile.turned is not None:
-            allowed = "rigid or elastic_bar with resolved yarns, whose forces do not reach the rings of a body of metal"
+            allowed = (
+                "rigid or elastic_bar with resolved yarns, whose forces do not reach the rings "
+                "of a body of metal"
+            )
             raise InputError(key="body", value="metal", allowed=allowed)
         for low, high, spacing in zip((i0, j0), (i1, j1), self.spacing):
             least = max(LEAST_ROWS + 2, 2 * (reach / spacing + REACH + RIM_ROWS))
             if high - low < least:
-                allowed = f"at least {1e3 * 0.5 * (least + 1) * spacing:.3g} mm for this nose, in a larger opening"
+                smallest = 1e3 * 0.5 * (least + 1) * spacing
+                allowed = f"at least {smallest:.3g} mm for this nose, in a larger opening"
                 raise InputError(key="zone", value=self.resolved.width, allowed=allowed)
         if not self.loose()[i0 + 1 : i1, j0 + 1 : j1].all():
             raise InputError(
@@ -166,7 +173,8 @@ class YarnPanel(Panel):
 
     @property
     def grid_middle(self) -> tuple[float, float]:
-        """[m] as in Panel: the grid stays in the middle of the opening, so that a shot need not hit a crossover."""
+        """[m] as in Panel: the grid stays in the middle of the opening, so that a shot need not hit
+        a crossover."""
         return self.shift
 
     @property
@@ -195,7 +203,8 @@ class YarnPanel(Panel):
         return found[0], found[1]
 
     def holds_nose(self, position: FloatArray) -> bool:
-        """Return whether the nose at a position [m] is over the zone, by its radius from the pinned rows."""
+        """Return whether the nose at a position [m] is over the zone, by its radius from the pinned
+        rows."""
         axes = zip(position, self.lines(), self.rim_rows, self.spacing)
         for place, lines, (first, last), spacing in axes:
             reach = self.projectile.radius + RIM_ROWS * spacing
@@ -254,7 +263,8 @@ class YarnPanel(Panel):
         return *super().make_parts(), ResolvedYarns(self)
 
     def cut_out(self, state: State) -> None:
-        """Take the membrane inside the rim out of a state, and put the nose before the yarns that stand out."""
+        """Take the membrane inside the rim out of a state, and put the nose before the yarns that
+        stand out."""
         highest = max(self.patch.amplitudes) + 0.25 * self.weave.thickness
         flight = self.shot.flight
         state.projectile_position[:] -= highest / flight[2] * flight
@@ -285,8 +295,8 @@ class YarnPanel(Panel):
             grid(state.dt_over_mass)[inside] = self.time_step * self.patch.shadow_mobility
 
     def _rim_masses(self, warp, weft):
-        """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the membrane
-        that is left, and the tied ends of the yarns."""
+        """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the
+        membrane that is left, and the tied ends of the yarns."""
         (i0, i1), (j0, j1) = self.rim_rows
         mass = np.zeros(warp.shape)
         for axis, (edges, yarn, S0) in enumerate(
@@ -320,8 +330,9 @@ class YarnPanel(Panel):
 def lie_anywhere(
     panels: Sequence[YarnPanel], seed: int | Sequence[int] | None
 ) -> tuple[YarnPanel, ...]:
-    """Shift the grids of plies behind the first, each by a part of a cell of its weave that a seed draws: windows of
-    plies do not lie behind each other. Without clamped edges, which are lines of the grid, they lie aligned.
+    """Shift the grids of plies behind the first, each by a part of a cell of its weave that a seed
+    draws: windows of plies do not lie behind each other. Without clamped edges, which are lines of
+    the grid, they lie aligned.
 
     Parameters
     ----------

@@ -1,8 +1,10 @@
-"""The nose against the yarns of a zone: penalty on the signed distance of any projectile, at points of the chains.
+"""The nose against the yarns of a zone: penalty on the signed distance of any projectile, at points
+of the chains.
 
-A yarn is a rod of the radius r, half its half of the ply's thickness, about its middle line. Points lie at the nodes
-and in the middle of the segments, a quarter of a crossover apart; with the signed distance D of the projectile
-(`sdf_kernels`), its normal n and friction as for the membrane's contact (`friction_kernels`),
+A yarn is a rod of the radius r, half its half of the ply's thickness, about its middle line. Points
+lie at the nodes and in the middle of the segments, a quarter of a crossover apart; with the signed
+distance D of the projectile (`sdf_kernels`), its normal n and friction as for the membrane's
+contact (`friction_kernels`),
 
     f = k <r - D> n,   U = k <r - D>^2 / 2
 """

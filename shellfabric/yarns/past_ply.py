@@ -1,5 +1,6 @@
 """Yarns of a ply that have come past the next one: plies touch at the mean of their warp and weft
-(`shadow_kernels`), and a single yarn may reach further where it has parted from those that cross it."""
+(`shadow_kernels`), and a single yarn may reach further where it has parted from those that cross
+it."""
 
 from __future__ import annotations
 
@@ -24,8 +25,8 @@ def nodes_past(
     states: tuple[State, State],
     apart: float,
 ) -> BoolArray:
-    """Mark the nodes (n,) of the whole yarns of a zone, near the nose, that are FURTHEST thicknesses or more
-    behind the surface of the next ply.
+    """Mark the nodes (n,) of the whole yarns of a zone, near the nose, that are FURTHEST
+    thicknesses or more behind the surface of the next ply.
 
     Parameters
     ----------
@@ -55,8 +56,8 @@ def nodes_past(
 
 
 def surface_of(panel: Any, const: Constants, state: State) -> tuple[FloatArray, FloatArray]:
-    """Return the places (n, 3) [m] of the nodes of a ply that elements join, in the pack's frame, from the
-    ply's plane at rest, and the unit normals (n, 3) there, along the shot."""
+    """Return the places (n, 3) [m] of the nodes of a ply that elements join, in the pack's frame,
+    from the ply's plane at rest, and the unit normals (n, 3) there, along the shot."""
     rest = panel.coordinates()
     moved = [by_node(part, const) for part in state.u]
     places = np.stack([rest[0] + moved[0], rest[1] + moved[1], moved[2]], axis=-1)
