@@ -121,6 +121,11 @@ class Part:
         or the run has are added to it."""
         return {}
 
+    def energy_made(self) -> dict[str, float]:
+        """Return {place, in words: [J]} of what the part has made or lost by the books of its own,
+        for the message of a run that does not keep its energy."""
+        return {}
+
     def pushed(self, state: State) -> float:
         """Return the kinetic energy [J] at the present whole step that `energies` leaves out: that of
         what others push the part by, through nodes of a state which it places; the contact forces of

@@ -170,6 +170,10 @@ class ExplicitSolver:
         """Say where the node of a part is."""
         raise NotImplementedError
 
+    def energy_made(self) -> dict[str, float]:
+        """Return {place, in words: [J]} of the energy error, of models with books of their own."""
+        return {}
+
     def run_worker(self, shared: IntArray, me: int) -> None:
         """Run the share of thread number `me` in the steps of one call of `advance`."""
 
@@ -373,8 +377,22 @@ class ExplicitSolver:
         if error > self.energy_error_limit:
             self.stop(
                 f"the energy balance is off by {100 * error:.2g} % of the strike energy",
-                self.where(*place),
+                self._place_of_error(self.where(*place)),
             )
+
+    def _place_of_error(self, fastest):
+        """Say where most of the energy error was made, and when, and which node is the fastest."""
+        grown = np.abs(np.diff(self.sample("error")))
+        last = int(np.argmax(grown)) + 1
+        begin, end = 1e6 * self.sample("t")[last - 1 : last + 1]
+        clauses = [f"grew most between {begin:.4g} and {end:.4g} us"]
+        made = self.energy_made()
+        if not made:
+            return f"{fastest}, the fastest ({clauses[0]})"
+        place = max(made, key=lambda name: abs(made[name]))
+        clauses.insert(0, f"{made[place]:.3g} of {sum(made.values()):.3g} J")
+        clauses.append(f"the fastest is {fastest}")
+        return f"{place} ({'; '.join(clauses)})"
 
     def stop(self, message: str, where: str, when: str | None = None) -> NoReturn:
         """Stop the run: raise UnstableError."""

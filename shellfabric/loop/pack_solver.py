@@ -388,6 +388,16 @@ class PackSolver(ExplicitSolver):
         observed |= dict(zip(PLY_SAMPLES[:3], own[:, :3].sum(axis=0)))
         return observed | samples, energies
 
+    def energy_made(self) -> dict[str, float]:
+        """Return what the parts have made, and the rest of the run, see ExplicitSolver."""
+        made: dict[str, float] = {}
+        for part, _ in self._all_parts():
+            made |= part.energy_made()
+        if made:
+            rest = self.sample("error")[-1] * self.share - sum(made.values())
+            made["the rest of the run"] = float(rest)
+        return made
+
     def _observe_alone(self):
         """What a sample has while a part goes on alone: the rest as at the last sample."""
         last = dict(zip(self.sample_names, self.samples[-1]))

@@ -207,7 +207,16 @@ LIMITS = {
     ),
     "slip at the rim": (
         0.15,
-        "slip of a resolved yarn beside the rim of its zone, in crossovers",
+        "slip of a whole resolved yarn beside the rim of its zone, in crossovers",
+    ),
+    "cut outside the zone": (
+        0.2,
+        "share of the cut yarns that are whole in the zone of resolved yarns: beyond its rim yarns are pinned, "
+        "and a cut one hands its whole tension to the next at once",
+    ),
+    "yarns that changed sides": (
+        0.0,
+        "crossings of taut resolved yarns that have passed through each other, and carry no force any more",
     ),
     "unzipping": (
         1.5,
@@ -303,6 +312,8 @@ REMEDIES = {
     "springback of the dent": "see whether the block is too small, and whether its modulus is known",
     "dent back at the pack": "the dent at rest leaves out that they meet",
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
+    "cut outside the zone": "resolve the whole panel: panel.zone of half the opening",
+    "yarns that changed sides": "a smaller numerics.cfl",
     "friction to hold yarns": 'compare with crossovers = "yarns"',
     "unzipping": 'compare with crossovers = "yarns"',
 }  # name: what to do beyond the limit

@@ -1,8 +1,9 @@
-"""A zone of yarns in the step of its ply: its energy, and what the nose meets. The one file that knows both.
+"""A zone of yarns in the step of its ply: its energy, and what the nose meets. The one file that
+knows both.
 
 The last node of a chain IS the membrane's node of the rim crossing: one place, one velocity, one
-mass, the sum of both forces. Nothing is interpolated in space, so that momentum and energy are those of one
-system. Yarn does not pass the rim.
+mass, the sum of both forces. Nothing is interpolated in space, so that momentum and energy are
+those of one system. Yarn does not pass the rim.
 
 Inside the rim the membrane has no edges, no trellis and no mass. In a step the membrane's nodes and
 the nose have moved, and the membrane has its own forces, when the zone moves. It makes m steps in
@@ -40,6 +41,7 @@ def march_zone(state, const, own):
     """Move the zone through a step of its ply, under the nose."""
     steps = own.substeps
     end = three(state.projectile_position, 0)
+    own.taken_work += 0.5 * const.dt * power_taken(own, state)
     begin_outer_forces(own)
     if own.has_shadow:
         take_pushes(own, state, const)
@@ -47,6 +49,7 @@ def march_zone(state, const, own):
     for c in range(3):
         state.projectile_position[c] = end[c]
     give_outer_forces(own, state)
+    own.taken_work += 0.5 * const.dt * power_taken(own, state)
     write_to_ply(own, state)
     if own.has_shadow:
         place_shadow(own, state, const)
@@ -88,14 +91,21 @@ def begin_outer_forces(zone):
 
 @kernel(_nrt=False)
 def count_outer_forces(zone, state, share):
-    """Find the forces on the tied nodes and, after them, on the nose; add a share of them to what
-    these take."""
+    """Find the forces on the tied nodes and, after them, on the nose, and their work; add a share
+    of them to what these take."""
+    rim = zone.tied_node.size
+    power = 0.0
     for c in range(3):
-        for t in range(zone.tied_node.size):
-            zone.outer_force[t, c] = zone.f[c, zone.tied_node[t]]
-        zone.outer_force[-1, c] = state.f_contact_nose[c]
-        for k in range(zone.outer_force.shape[0]):
-            zone.taken_force[k, c] += share * zone.outer_force[k, c]
+        for k in range(rim + 1):
+            force = state.f_contact_nose[c]
+            velocity = state.projectile_velocity[c]
+            if k < rim:
+                force = zone.f[c, zone.tied_node[k]]
+                velocity = zone.v[c, zone.tied_node[k]]
+            power += (zone.outer_force[k, c] + force) * velocity
+            zone.outer_force[k, c] = force
+            zone.taken_force[k, c] += share * force
+    zone.given_work += 0.5 * zone.dt * power
 
 
 @kernel(_nrt=False)
@@ -104,15 +114,28 @@ def give_outer_forces(zone, state):
     above)."""
     share = 0.5 - 0.5 / zone.substeps
     for c in range(3):
+        for k in range(zone.outer_force.shape[0]):
+            zone.taken_force[k, c] += share * zone.outer_force[k, c]
         for t in range(zone.tied_slot.size):
-            force = zone.taken_force[t, c] + share * zone.outer_force[t, c]
-            state.f_int[c][np.uint64(zone.tied_slot[t])] += force
-        state.f_contact_nose[c] = zone.taken_force[-1, c] + share * zone.outer_force[-1, c]
+            state.f_int[c][np.uint64(zone.tied_slot[t])] += zone.taken_force[t, c]
+        state.f_contact_nose[c] = zone.taken_force[-1, c]
+
+
+@kernel(_nrt=False)
+def power_taken(zone, state):
+    """Compute the power [W] of what rim and nose have taken last, at the velocities of this step."""
+    power = 0.0
+    for c in range(3):
+        for t in range(zone.tied_slot.size):
+            power += zone.taken_force[t, c] * state.v[c][np.uint64(zone.tied_slot[t])]
+        power += zone.taken_force[-1, c] * state.projectile_velocity[c]
+    return power
 
 
 @kernel(_nrt=False)
 def write_to_ply(zone, state):
-    """Copy what the ply keeps of the zone: work, energies of the contact with the nose, peak tensions, torn yarns."""
+    """Copy what the ply keeps of the zone: work, energies of the contact with the nose, peak
+    tensions, torn yarns."""
     state.yarns_ahead = zone.points_ahead
     state.yarn_work = stored_and_lost(zone)
     state.contact_work = zone.stored_at_nose

@@ -1,4 +1,5 @@
-"""The zone of resolved yarns of a panel in a run: what it replaces, its energies, and what pictures show."""
+"""The zone of resolved yarns of a panel in a run: what it replaces, its energies, and what pictures
+show."""
 
 from __future__ import annotations
 
@@ -10,8 +11,9 @@ import numpy as np
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.guards import speed_limit
 from shellfabric.membrane import quality
+from shellfabric.membrane.slots import by_node
 from shellfabric.parts import Part
-from shellfabric.state import State
+from shellfabric.state import Constants, State
 from shellfabric.yarns import coupling_kernels
 from shellfabric.yarns.patch import RIM_ROWS, kinetic_energy, slipped
 from shellfabric.yarns.state import Zone
@@ -49,6 +51,10 @@ class ResolvedYarns(Part):
         drawn = patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
         return self.name, self.panel.resolved, *drawn
 
+    def begin(self, state: State, const: Constants, stack: Any) -> None:
+        """Know the ply of the zone, see Part."""
+        self._ply = const, state
+
     def energies(self) -> dict[str, float]:
         """Return {energy: [J]} besides that of the crossings, by the names that its ply's have, or
         of ENERGIES."""
@@ -64,9 +70,19 @@ class ResolvedYarns(Part):
             "slack_contact": float(zone.lost_when_slack),
         }
 
+    def energy_made(self) -> dict[str, float]:
+        """Return the energy [J] that the yarns have made by themselves, and that their tie to rim and
+        nose has, see Part. In a pack nobody books what other plies push the yarns by."""
+        zone = self.zone
+        if zone.has_shadow:
+            return {}
+        own = kinetic_energy(zone) + coupling_kernels.stored_and_lost(zone) + zone.given_work
+        tie = zone.taken_work - zone.given_work
+        return {"the resolved yarns": float(own), "the rim of the resolved yarns": float(tie)}
+
     def pushed(self, state: State) -> float:
-        """Return the kinetic energy [J] that the coming half step's pushes on shadow nodes bring, see
-        Part."""
+        """Return the kinetic energy [J] that the coming half step's pushes on shadow nodes bring,
+        see Part."""
         if not self.zone.has_shadow:
             return 0.0
         slots = shadow_slots(self.zone).ravel()
@@ -86,7 +102,12 @@ class ResolvedYarns(Part):
 
     def where(self, node: int) -> str:
         """Say where a node is, see Part."""
-        return f"node {int(node)} of the resolved yarns"
+        zone = self.zone
+        family = int(node >= zone.first[1])
+        yarn, number = divmod(int(node - zone.first[family]), int(zone.nodes[family]))
+        x, y = 1e3 * zone.x[:2, node]
+        name = ("warp", "weft")[family]
+        return f"node {number} of the resolved {name} yarn {yarn} (x = {x:.1f} mm, y = {y:.1f} mm)"
 
     def guard(self, state: State) -> tuple[str, str] | None:
         """Check that the projectile keeps to the zone, see Part."""
@@ -100,20 +121,39 @@ class ResolvedYarns(Part):
         )
 
     def indicators(self) -> tuple[quality.Indicator, ...]:
-        """Return the slip of the yarns beside the rim of their zone, and how many reach past the next
-        ply, see Part."""
-        found = quality.indicator("slip at the rim", slip_at_rim(self.zone))
+        """Return the slip of the whole yarns beside the rim of their zone, the yarns that are cut
+        beyond it, crossings whose yarns have changed sides, and the nodes past the next ply, see
+        Part."""
         width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
-        checks = [replace(found, meaning=f"{found.meaning}; {width}")]
+        checks = [
+            quality.indicator("slip at the rim", slip_at_rim(self.zone)),
+            quality.indicator("cut outside the zone", self.cut_outside()),
+        ]
+        checks = [replace(found, meaning=f"{found.meaning}; {width}") for found in checks]
+        checks.append(quality.indicator("yarns that changed sides", self.zone.tangled))
         if self.panel.among_plies:
             share = self.zone.most_past / self.zone.mass.size
             checks.append(quality.indicator("yarns past the next ply", share))
         return tuple(checks)
 
+    def cut_outside(self) -> float:
+        """Return the share [-] of the cut yarns of the ply that are whole in the zone: pinned yarns
+        outside it have been cut."""
+        const, state = self._ply
+        rows, columns = self.panel.rim_rows
+        cut_yarns = outside = 0
+        for family, (first, last) in enumerate((columns, rows)):
+            broken = by_node(state.failed[family], const) != 0
+            cut = np.moveaxis(broken, family, 0)[:-1].any(axis=0)
+            cut_yarns += np.count_nonzero(cut)
+            cut[first + 1 : last][self.zone.torn[family, : last - first - 1]] = False
+            outside += np.count_nonzero(cut)
+        return outside / max(cut_yarns, 1)
+
 
 def slip_at_rim(zone: Zone) -> float:
-    """Find the longest way [crossings] of a yarn through a crossing of the rows beside the pinned
-    ones."""
+    """Find the longest way [crossings] of a whole yarn through a crossing of the rows beside the
+    pinned ones. A cut yarn is drawn out at any width of the zone."""
     row = RIM_ROWS
     slip = slipped(zone)
     beside = [slip[row], slip[-row - 1], slip[:, row], slip[:, -row - 1]]
@@ -121,15 +161,16 @@ def slip_at_rim(zone: Zone) -> float:
 
 
 def shadow_slots(zone: Zone) -> IntArray:
-    """Return the slots (warp yarns, weft yarns) of the membrane's nodes at the crossings at rest."""
+    """Return the slots (warp yarns, weft yarns) of the membrane's nodes at the crossings at
+    rest."""
     warp = int(zone.yarns[0])
     rows = zone.tied_slot[2 * warp :: 2]  # slots of the rim at which the weft yarns begin
     return rows[None, :] + np.arange(warp)[:, None] + 1
 
 
 def show(zone: Zone, state: State) -> None:
-    """Put the membrane inside the rim where the yarns are, with their tensions, for pictures, histories and the
-    deflection. Its nodes bear and weigh nothing.
+    """Put the membrane inside the rim where the yarns are, with their tensions, for pictures,
+    histories and the deflection. Its nodes bear and weigh nothing.
 
     A crossing of which a yarn is torn is where the other one is, and stays if both are.
     """

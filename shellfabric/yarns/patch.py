@@ -3,23 +3,24 @@
 Geometry. Crossings lie on the grid of the weave. A yarn has a node at each of its crossings and one
 halfway between, and runs from rim to rim, one spacing beyond its first and last crossing. At a
 crossing it is up or down by its amplitude, which gives its segments the length that the crimp asks
-for; the nodes halfway lie at mid-height, those at the rim too, so that half a cell of crimp is given
-up there.
+for; the nodes halfway lie at mid-height, those at the rim too, so that half a cell of crimp is
+given up there.
 
 Heights. Yarns of the cell are cosines (`cell.crossover_kernels`), here they are zigzags, whose
 splines stand lower for the same crimp: by the share s, 0.83. Their crossings close by s times as
 much, so that the law of the cell's resultant is taken at the closure over s. Tensions of a biaxial
 patch are then within 4 % of the cell's.
 
-Stiffness of contacts. What is stiffer than the yarn itself only shortens the time step. In units of EA / l0 of the
-softer family's segment: crossings follow the compression laws of their two yarns in series up to CROSSING, and are
-linear from there; their friction springs have FRICTION, the nose NOSE, neighbours that cannot come closer HARD.
+Stiffness of contacts. What is stiffer than the yarn itself only shortens the time step. In units of
+EA / l0 of the softer family's segment: crossings follow the compression laws of their two yarns in
+series up to CROSSING, and are linear from there; their friction springs have FRICTION, the nose
+NOSE, neighbours that cannot come closer HARD.
 
-Neighbours touch at the width of a yarn. From there to where they are closest, sqrt 3 diameters of round packed yarns
-between which the crossing yarn passes (Peirce's jammed weave), a yarn is squeezed sideways:
-k1 = E t s / w with half the ply's thickness t, the spacing s along the yarn and the width w. E lies
-between the transverse moduli of the loose and of the packed yarn (`fabrics.solid`); their geometric
-mean is taken, nobody has measured it.
+Neighbours touch at the width of a yarn. From there to where they are closest, sqrt 3 diameters of
+round packed yarns between which the crossing yarn passes (Peirce's jammed weave), a yarn is
+squeezed sideways: k1 = E t s / w with half the ply's thickness t, the spacing s along the yarn and
+the width w. E lies between the transverse moduli of the loose and of the packed yarn
+(`fabrics.solid`); their geometric mean is taken, nobody has measured it.
 """
 
 from __future__ import annotations
@@ -450,8 +451,8 @@ def kinetic_energy(zone: Zone) -> float:
 
 
 def slipped(zone: Zone) -> FloatArray:
-    """Compute the larger slip (warp yarns, weft yarns) [crossings] of the two yarns through a
-    crossing."""
+    """Compute the larger slip (warp yarns, weft yarns) [crossings] of the whole yarns through a
+    crossing; 0 where both are cut."""
     rest = np.stack(
         np.broadcast_arrays(
             2.0 * (np.arange(zone.yarns[1])[None, :] + 1),
@@ -459,4 +460,8 @@ def slipped(zone: Zone) -> FloatArray:
         ),
         axis=-1,
     )
-    return 0.5 * np.abs(zone.place - rest).max(axis=-1)
+    warp, weft = zone.yarns
+    whole = np.stack(
+        np.broadcast_arrays(~zone.torn[0, :warp, None], ~zone.torn[1, None, :weft]), axis=-1
+    )
+    return 0.5 * np.abs(zone.place - rest).max(axis=-1, where=whole, initial=0.0)

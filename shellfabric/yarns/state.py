@@ -5,7 +5,8 @@ from shellfabric.state import RateTable
 
 
 class Zone(Row):
-    """Resolved yarns: chains, crossings, neighbours, points under the nose, ties to the membrane (`yarns.patch`)."""
+    """Resolved yarns: chains, crossings, neighbours, points under the nose, ties to the membrane
+    (`yarns.patch`)."""
 
     dt = number("s", "time step")
     first = array("2 int64", "-", "first node of the warp yarns, of the weft yarns")
@@ -113,7 +114,11 @@ class Zone(Row):
     outer_force = array(
         "n, 3", "N", "on the ends of the chains and on the nose, at the last step", kept=True
     )
-    taken_force = array("n, 3", "N", "what rim and nose take of them in a step of the ply")
+    taken_force = array(
+        "n, 3", "N", "what rim and nose take of them in a step of the ply", kept=True
+    )
+    given_work = total("J", "work of the zone's forces on rim and nose", kept=True)
+    taken_work = total("J", "work of the forces that rim and nose take", kept=True)
     stored = total("J", "that the yarns store", kept=True)
     stored_at_crossings = total("J", "that crossings store", kept=True)
     stored_at_neighbours = total("J", "that neighbours store", kept=True)
@@ -125,4 +130,4 @@ class Zone(Row):
     nose_friction_work = total("J", "work of friction at the nose", kept=True)
     lost_in_snaps = total("J", "lost by steps in which yarns stiffen", kept=True)
     torn_segments = total("-", "segments that tore", kept=True)
-    tangled = total("-", "crossings without a common perpendicular", kept=True)
+    tangled = total("-", "crossings of taut yarns that have changed sides, and are gone", kept=True)

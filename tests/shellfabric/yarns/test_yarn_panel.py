@@ -1,5 +1,6 @@
 """A zone of resolved yarns in the membrane of a panel: energy, the tie, the end of a shot, checkpoints."""
 
+import re
 from dataclasses import replace
 from math import inf, radians
 
@@ -14,6 +15,7 @@ from shellfabric.loop.checkpoint import Checkpoints
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import arrays
 from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.slots import by_node
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone, aim
 from shellfabric.yarns.part import slip_at_rim
@@ -174,7 +176,56 @@ def test_slip_beside_the_rim_says_how_wide_the_zone_is(table):
     zone = result.target.plies[0].zone()
     assert slip_at_rim(zone) == 0.0
     zone.place[2, 5, 0] += 1.5
+    zone.place[2, 7, 1] -= 0.8
     assert slip_at_rim(zone) == pytest.approx(0.75)
+    zone.torn[0, 2] = True  # a cut yarn is drawn out at any width
+    assert slip_at_rim(zone) == pytest.approx(0.4)
+
+
+def test_a_run_that_loses_its_energy_says_which_part_has_it(table):
+    """By the books of the zone: made by the yarns, by their tie to rim and nose, or by the rest."""
+    shot = replace(SETUP, strike_velocity=250.0)
+    solver = PackSolver(shot.target(table), 250.0, 30e-6, energy_error_limit=0.01)
+    solver.run()
+    part = solver.part("yarns")
+    assert part.zone.torn_segments > 0
+    made = solver.energy_made()
+    assert sum(made.values()) == pytest.approx(solver.sample("error")[-1])
+    assert min(map(abs, made.values())) > 0.0
+    assert max(map(abs, made.values())) < 1e-3 * solver.strike_energy
+
+    def push(run):
+        if run.time > 20e-6:
+            run.part("yarns").zone.v *= 1.3
+
+    disturbed = PackSolver(shot.target(table), 250.0, 30e-6, energy_error_limit=0.01)
+    with pytest.raises(UnstableError) as caught:
+        disturbed.run((push,))
+    text = str(caught.value)
+    assert "at the resolved yarns (" in text
+    assert re.search(r"grew most between (19|2\d)\.?\d* and 2\d", text)
+    assert re.search(r"the fastest is node \d+ of the resolved (warp|weft) yarn", text)
+
+
+def test_yarns_that_are_cut_outside_the_zone_alone_are_counted(table):
+    """Beyond the rim yarns are pinned: there a cut one hands its whole tension to the next."""
+    solver = PackSolver(replace(SETUP, strike_velocity=250.0).target(table), 250.0, 30e-6).run()
+    part = solver.part("yarns")
+    cut = solver.sample("cut_yarns")[-1]
+    torn = np.count_nonzero(part.zone.torn)
+    assert part.cut_outside() == pytest.approx((cut - torn) / cut)
+    (_, i1), (j0, _) = part.panel.rim_rows
+    failed = by_node(solver.state.failed[0], solver.const)
+    rows = np.arange(3)  # of warp yarns beside the zone, two edges of each
+    failed[2:4, rows] = 1
+    assert part.cut_outside() == pytest.approx((cut - torn + 3) / (cut + 3))
+    whole = np.flatnonzero(~part.zone.torn[1, : part.zone.yarns[1]])[0]
+    by_node(solver.state.failed[1], solver.const)[i1 - part.zone.yarns[1] + whole, j0 - 1] = 1
+    assert part.cut_outside() == pytest.approx((cut - torn + 4) / (cut + 4))
+    part.zone.tangled += 1
+    found = {check.name: check for check in part.indicators()}
+    assert found["cut outside the zone"].value == part.cut_outside()
+    assert found["yarns that changed sides"].doubtful
 
 
 def test_each_yarn_of_the_zone_has_the_strength_of_its_own_line(table):
