@@ -196,7 +196,7 @@ def test_a_run_that_loses_its_energy_says_which_part_has_it(table):
 
     def push(run):
         if run.time > 20e-6:
-            run.part("yarns").zone.v *= 1.3
+            run.part("yarns").zone.v[:] *= 1.3
 
     disturbed = PackSolver(shot.target(table), 250.0, 30e-6, energy_error_limit=0.01)
     with pytest.raises(UnstableError) as caught:
