@@ -41,6 +41,7 @@ TITLES = {
     "cost-ply-stopped": "One ply of S-720, 92.5 m/s, stops the projectile",
     "cost-ply-perforated": "One ply of S-720, perforated at 160 to 220 m/s",
     "cost-pack": "Four plies of S-728, 91 m/s",
+    "cost-bullet": "9 mm bullet, twelve plies of S-745, 190 m/s",
     "crossover": "3D crossover of S-720",
     "cost-bias-extension": "Coupon: bias extension of S-728",
     "cost-biaxial-coupon": "Coupon: biaxial tension",
@@ -61,7 +62,7 @@ TITLES = {
 COSTS = tuple(name for name in TITLES if not name.startswith("stability-"))
 MAPS = tuple(name for name in TITLES if name.startswith("stability-"))
 # charts whose every method is named beside its point, since those off the front are what is compared
-ALL_NAMED = ("cost-peers",)
+ALL_NAMED = ("cost-peers", "cost-bullet")
 # mark and colour of each outcome, and what it says
 OUTCOMES = {
     "stable": ("o", GREEN, "stable: the answer is right"),

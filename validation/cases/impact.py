@@ -6,20 +6,22 @@ import time
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from math import nan
+from math import log1p, nan, pi
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import weavecell as wc
-from fabrics import ply_laws
+from fabrics import metals, ply_laws
 from fabrics.base.errors import UndecidedError, UnstableError
 from fabrics.fabric import Fabric
+from fabrics.materials import Isotropic
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact.run import run_impact, run_impact_or_partial
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import PlyContact
+from shellfabric.projectile.bar import Bar
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
 from validation.values import Values, flags, rms
@@ -29,8 +31,10 @@ from weavecell.studies import ballistic_limit, lambert_jonas, mesh_uncertainty, 
 from weavecell.studies.window import QUANTITIES, Window
 
 if TYPE_CHECKING:
+    from fabrics.metals import Metal
     from shellfabric.impact.result import ImpactResult
     from shellfabric.impact.setup import ImpactSetup
+    from shellfabric.projectile.projectile import Projectile
 
 STRAIGHT = (
     0.9  # least coefficient of determination of a line whose slope is called a speed of a wave
@@ -107,6 +111,7 @@ def setup(
     *,
     change: Values | None = None,
     mesh: str = "default",
+    bar_of: str | None = None,
     unchecked: Values | None = None,
     contact: Values | None = None,
     **keywords: Any,
@@ -120,6 +125,7 @@ def setup(
     change : keywords of `changed`
     mesh : "default", "finer", with half of its element side about the impact point, or "coarser", with one element per
         crossover
+    bar_of : metal of an elastic-plastic bar along the axis (`as_bar`), in place of a rigid projectile
     unchecked : fields of Numerics, which are not checked
     contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
@@ -136,6 +142,9 @@ def setup(
     keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
     with warnings.catch_warnings(action="ignore"):  # notes of openings that follow yarns
         made = replace(wc.setup(cloth, velocity, **keywords), **own)
+    if bar_of is not None:
+        body = as_bar(made.projectile, metals.load(bar_of), made.strike_velocity)
+        made = replace(made, projectile=replace(made.projectile, body=body))
     if unchecked is not None:
         given = {entry.name: getattr(made.numerics, entry.name) for entry in fields(Numerics)}
         made = replace(made, numerics=Unchecked(**given | dict(unchecked)))
@@ -144,6 +153,25 @@ def setup(
     if mesh == "finer":
         return mesh_uncertainty.finer(made, made.plain_table())
     return made
+
+
+def as_bar(projectile: Projectile, metal: Metal, velocity: float) -> Bar:
+    """Make the bar of a metal that has mass and diameter of a projectile.
+
+    A bar hardens linearly and has no effect of the rate: its flow stress is that at the rate which is the velocity
+    [m/s] over the diameter.
+    """
+    area = pi * projectile.radius**2
+    rate = velocity / (2 * projectile.radius)
+    faster = 1 + metal.rate_coefficient * log1p(rate / metal.reference_rate)
+    material = Isotropic(
+        metal.density,
+        metal.modulus,
+        metal.poisson,
+        yield_stress=faster * metal.yield_stress,
+        hardening=faster * metal.hardening,
+    )
+    return Bar(((projectile.mass / (metal.density * area), area),), material)
 
 
 def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -> Values:
