@@ -52,7 +52,7 @@ class UncoupledCurves:
 
     @classmethod
     def fit(cls, cloth: Cloth, match: str) -> UncoupledCurves:
-        """Fit the curves to a cloth, see `Cloth.curve`."""
+        """Fit the curves to a fabric, see `Cloth.curve`."""
         return cls((cloth.curve(0, match), cloth.curve(1, match)), cloth.trellis())
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:

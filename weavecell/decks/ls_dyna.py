@@ -173,7 +173,7 @@ def _contact(deck: Deck) -> Iterator[str]:
         yield f"*CONTACT_AUTOMATIC_{kind}\n" + _card(**sides, SBOXID=0, MBOXID=0, SPR=0, MPR=0)
         yield _card(FS=friction, FD=friction, DC=0.0, VC=0.0, VDC=0.0, PENCHK=0)
         yield _card(SFS=0.0, SFM=0.0, SST=0.0, MST=0.0, SFST=0.0, SFMT=0.0, FSF=0.0, VSF=0.0)
-        # the stiffness follows from masses and the step: steel and cloth differ too much in modulus
+        # the stiffness follows from masses and the step: steel and fabric differ too much in modulus
         yield _card(SOFT=1)
 
 

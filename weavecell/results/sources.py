@@ -48,7 +48,8 @@ def list_sources(
     ----------
     fabrics : of the run, with what was assumed of them
     laws : compression laws of their plies
-    scene_text : of the input file, which names projectile, block and metals; "" without one
+    scene_text : of the input file, which names projectile, block and metals; of a program, or "",
+        it says nothing
     """
     found: list[Source] = []
     for fabric in {fabric.name: fabric for fabric in fabrics}.values():
@@ -56,7 +57,8 @@ def list_sources(
     for law in laws:
         if law.fabric:
             found.append(Source(law.fabric, "compression law", "fitted", law.provenance))
-    if scene_text:
+    # a program that computed a result is no input file
+    with suppress(ValueError):
         found += _of_scene(parse_toml(scene_text))
     return list(dict.fromkeys(found))
 
