@@ -36,7 +36,7 @@ from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import Target, is_input_file, read_target, resolve_target
-from weavecell.results import out_folder, progress
+from weavecell.results import display, out_folder, progress
 from weavecell.scenes import build, honoured
 from weavecell.scenes import impact as scenes
 
@@ -307,18 +307,31 @@ class SweepTable(StudyResult):
         from weavecell.studies.sweep import QUANTITIES
 
         quantity = QUANTITIES[self.quantity]
+        over = f"over {', '.join(self._varied)}"
+        label = quantity.label.partition(" [")[0].capitalize()
         values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
-        span = "not found"
-        if values:
-            span = f"{min(values):.1f} to {max(values):.1f} m/s"
-        return quantity.label.partition(" [")[0].capitalize(), f"{span} over {', '.join(self.keys)}"
+        outcomes = list(self.summary())
+        # one that all share, such as "stopped", says more than their residual velocities of 0
+        if len(outcomes) == 1 and not any(values):
+            count = {1: "", 2: "both "}.get(len(self.rows), f"all {len(self.rows)} ")
+            return label, f"{count}{outcomes[0]}, {over}"
+        if not values:
+            return label, f"not found, {over}"
+        return label, f"{min(values):.1f} to {max(values):.1f} m/s {over}"
 
     @property
     def title(self) -> str:
-        return f"{self.target.setup.name}: {self.quantity.replace('-', ' ')} over {', '.join(self.keys)}"
+        quantity = self.quantity.replace("-", " ")
+        return f"{self.target.setup.name}: {quantity} over {', '.join(self._varied)}"
+
+    @property
+    def _varied(self):
+        """The keys with more than one value; the first key if none has."""
+        varied = [key for key in self.keys if len({str(row[key]) for row in self.rows}) > 1]
+        return varied or self.keys[:1]
 
     def draw(self, pyplot: Any) -> Figure:
-        """Draw the quantity against the first key."""
+        """Draw the quantity against the first key that varies."""
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
@@ -329,18 +342,18 @@ class SweepTable(StudyResult):
             )
         x, label = self._abscissa()
         return pictures_uncertainty.sweep(
-            pyplot, x, label, self.to_dataframe(), self.keys[1:], quantity
+            pyplot, x, label, self.to_dataframe(), self._varied[1:], quantity
         )
 
     def _changes(self, row):
-        """The keys that a row changes, in words."""
-        changed = [f"{key} = {row[key]}" for key in self.keys if row[key] is not None]
+        """The keys that a row changes, of those that vary, in words."""
+        changed = [f"{key} = {row[key]}" for key in self._varied if row[key] is not None]
         return ", ".join(changed) or "input file"
 
     def _abscissa(self):
-        """(values, label) of the first key: numbers with their unit, areal densities for numbers of
+        """(values, label) of the first key that varies: numbers with their unit, areal densities for numbers of
         plies, or texts."""
-        key = self.keys[0]
+        key = self._varied[0]
         if key == "panel.plies":
             return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
         # a key without a table is a factor
@@ -352,11 +365,13 @@ class SweepTable(StudyResult):
             for part in key.split("."):
                 value = getattr(value, part)
             values.append(value)
+        words = key.replace(".", " ").replace("_", " ")
         # a text, a table or a truth value has no place on an axis
         if not {*map(type, values)} <= {int, float}:
-            return [str(row[key]) for row in self.rows], key
-        unit = unit_of(entries(scenes.Scene)[key])
-        return values, f"{key} [{unit}]" if unit not in (None, "1") else key
+            return [str(row[key]) for row in self.rows], words
+        unit = unit_of(entries(scenes.Scene)[key]) or "1"
+        _, factor = display.choose_unit(unit)
+        return [factor * value for value in values], display.heading(words, unit)
 
     def _scatter(self):
         """Mean, standard deviation and standard error of the residual velocity over seeds, a line a

@@ -54,12 +54,14 @@ class Figure:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts under a heading; columns named in `numeric` are set flush right."""
+    """Rows of texts under a heading; columns named in `numeric` are set flush right, and a `folded`
+    one is opened by a click on its caption."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
     numeric: tuple[str, ...] = ()
+    folded: bool = False
 
     @classmethod
     def from_frame(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:

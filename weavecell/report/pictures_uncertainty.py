@@ -129,9 +129,13 @@ def sweep(
             error = np.maximum([y - low, high - y], 0)
         given = np.atleast_1d(np.array(values, object))
         name = ", ".join(f"{key} = {value}" for key, value in zip(others, given))
-        axes.errorbar(rows["x"], y, yerr=error, fmt="o-", ms=6, capsize=4, label=name or None)
+        # nothing lies between two texts, such as names of fabrics
+        line = "o" if isinstance(x[0], str) else "o-"
+        axes.errorbar(rows["x"], y, yerr=error, fmt=line, ms=6, capsize=4, label=name or None)
     axes.set(xlabel=label, ylabel=quantity.label)
-    axes.set_ylim(bottom=0)
+    _, top = axes.get_ylim()
+    axes.set_ylim(0, 1.05 * top)
+    axes.margins(x=0.05)
     if others:
         axes.legend(loc="best")
     return figure

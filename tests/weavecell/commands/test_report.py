@@ -179,6 +179,7 @@ def test_pictures_repeat_to_the_byte(record):
 def test_stamp_tells_versions_and_no_paths(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     stamp = provenance.stamp("a scene")
+    assert stamp.pop("sources") == []
     assert stamp["weavecell"] == weavecell.__version__
     assert stamp["scene"] == "a scene"
     assert f"numpy {np.__version__}" in stamp["packages"]
@@ -215,3 +216,16 @@ def test_a_cut_shows_an_oblique_projectile_where_it_is(record):
     assert_allclose(
         views[1].projectile - views[0].projectile, [[2e-3, 0.0]] * len(views[0].projectile)
     )
+
+
+def test_a_designer_finds_ten_results_and_the_others_by_a_click(page):
+    """Short names above a folded table of all, with the same values."""
+    _, _, rest = page.partition("<caption>Results</caption>")
+    shown, _, folded = rest.partition("<details><summary>All results, as summary.json has them")
+    rows = re.findall(r"<tr>\s*<td[^>]*>(.*?)</td>\s*<td[^>]*>(.*?)</td>", shown)
+    assert 5 <= len(rows) <= 11
+    assert all(len(label) <= 48 for label, _ in rows)
+    numbers = dict(re.findall(r"<tr>\s*<td[^>]*>(.*?)</td>\s*<td[^>]*>(.*?)</td>", folded))
+    assert dict(rows)["strike velocity [m/s]"] in numbers.values()
+    assert dict(rows)["outcome"] == numbers["outcome"]
+    assert len(numbers) > 2 * len(rows)

@@ -956,6 +956,22 @@ def histories(pyplot):
     return pictures_shot.histories(pyplot, record), wanted
 
 
+@case(pictures_shot.plies)
+def plies(pyplot):
+    columns = {name: numbers(4, 3) for name in ("deflection", "push", "energy")}
+    record = Given(time=rising(4, 1e-6), count=3, plies=columns)
+    t = 1e6 * record.time
+
+    def by_ply(name, factor):
+        return {f"ply {k + 1}": xy(t, factor * columns[name][:, k]) for k in range(3)}
+
+    return pictures_shot.plies(pyplot, record), {
+        ("", "", "deflection [mm]"): by_ply("deflection", 1e3),
+        ("", "", "force of the nose [kN]"): by_ply("push", 1e-3),
+        ("", "time after strike [µs]", "energy [J]"): by_ply("energy", 1.0),
+    }
+
+
 @case(pictures_shot.cuts)
 def cuts(pyplot):
     """Each row has its lines, the close-up the same and their thickness; z is up."""

@@ -28,6 +28,19 @@ if TYPE_CHECKING:
 
 # stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
+# results that a designer looks for, by key of summary.json, with a short name for each
+OF_A_DESIGNER = {
+    "strike_velocity_m_s": "strike velocity",
+    "residual_velocity_m_s": "residual velocity",
+    "strike_energy_J": "strike energy",
+    "absorbed_energy_J": "energy that the projectile lost",
+    "max_deflection_m": "deflection of the back face",
+    "deepest_dent_mm": "deepest dent in the block",
+    "peak_contact_force_N": "peak contact force",
+    "peak_tension_warp_over_strength": "peak tension of the warp, of its strength",
+    "peak_tension_weft_over_strength": "peak tension of the weft, of its strength",
+    "cut_yarns": "cut yarns",
+}
 # [m] half the width of the close-up: five radii of the RCC projectile
 CLOSE_UP = 0.014
 # shares of the run at which the fabric is shown cut open
@@ -115,9 +128,10 @@ def card(record: ImpactRecord) -> Card:
 def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
     """Build the chapter of one impact: histories, energies, cuts, pictures of the panel and
     results."""
-    figures = (_histories(record), _energies(record), _cuts(record), *panel)
-    tables = [results(record)]
+    figures: tuple[Figure, ...] = (_histories(record), _energies(record), _cuts(record), *panel)
+    tables = [results(record), every_result(record)]
     if record.count > 1:
+        figures += (_plies(record),)
         tables.append(ply_table(record))
     return Section("impact", "Impact", "", figures, tuple(tables))
 
@@ -164,13 +178,26 @@ def critical_path(record: ImpactRecord, ply: int) -> tuple[FloatArray, FloatArra
 
 
 def results(record: ImpactRecord) -> Table:
-    """Tabulate every number of the summary but the energies."""
+    """Tabulate what a designer asks of a shot, in ten rows at most."""
+    facts = record.facts()
+    units = {key.name: key.unit for key in keys.table("impact", *keys.OF_SOME.values())}
+    rows = [("outcome", record.outcome)]
+    for name, label in OF_A_DESIGNER.items():
+        if facts.get(name) is not None and name in units:
+            heading = display.heading(label, units[name])
+            rows.append((heading, display.number(facts[name], units[name])))
+    return Table(("result", "value"), tuple(rows), "Results", ("value",))
+
+
+def every_result(record: ImpactRecord) -> Table:
+    """Tabulate every number of the summary but the energies; folded."""
     facts = record.facts()
     rows = [("outcome", record.outcome)]
     for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
         if key.unit and key.name in facts:
             rows.append((key.label, display.number(facts[key.name], key.unit)))
-    return Table(("result", "value"), tuple(rows), "Results", ("value",))
+    caption = "All results, as summary.json has them"
+    return Table(("result", "value"), tuple(rows), caption, ("value",), folded=True)
 
 
 def ply_table(record: ImpactRecord) -> Table:
@@ -188,8 +215,8 @@ def ply_table(record: ImpactRecord) -> Table:
     deepest = text(record.max_penetration_ratio.max(), "%", ".0f")
     caption = (
         f"Plies, from the front. Cut yarns: {PARTS}. The energy of a ply is its kinetic and stored energy and what it "
-        f"has dissipated. A ply was pressed into the next by at most {deepest} of its thickness. The force of the "
-        "projectile on each ply, its deflection and tensions over time are in histories.h5 under /plies."
+        f"has dissipated. A ply was pressed into the next by at most {deepest} of its thickness. Tensions "
+        "over time are in histories.h5 under /plies."
     )
     if record.guard_impulses:
         caption += f" Plies were kept from passing through each other by {record.guard_impulses:g} impulses."
@@ -220,6 +247,15 @@ def _histories(record):
     return pictures.draw_figure(
         "histories", caption, pictures_shot.histories, record, wide=False, tall=True
     )
+
+
+def _plies(record):
+    """What each ply of a pack does over time."""
+    caption = (
+        "Each ply over time, dark at the front: largest deflection along the normal of what is connected to the "
+        "edges; force of the projectile on it; energy that it moves with, stores and has lost."
+    )
+    return pictures.draw_figure("plies", caption, pictures_shot.plies, record)
 
 
 def _cuts(record):

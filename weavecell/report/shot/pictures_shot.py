@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 # plies from the front to the rear
 _STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")
+_MOST_NAMED = 6  # plies in a legend
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
@@ -39,6 +40,34 @@ def histories(pyplot: Any, record: ImpactRecord) -> Any:
     low.plot(t, 1e-3 * record.contact_force, lw=1.4)
     low.set(xlabel="time after strike [µs]", ylabel="contact force [kN]", xlim=(0, float(t[-1])))
     low.set_ylim(bottom=min(0.0, low.get_ylim()[0]))
+    return figure
+
+
+def plies(pyplot: Any, record: ImpactRecord) -> Any:
+    """Draw deflection, force of the nose and energy of each ply over time, one below the other."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    figure, grid = pyplot.subplots(3, 1, figsize=(9, 8.4), sharex=True)
+    labels = {
+        "deflection": "deflection [mm]",
+        "push": "force of the nose [kN]",
+        "energy": "energy [J]",
+    }
+    factors = {"deflection": MM, "push": 1e-3, "energy": 1.0}
+    # from the front, dark, to the rear
+    colours = LinearSegmentedColormap.from_list("plies", _STEPS)(np.linspace(0, 1, record.count))
+    for axes, (name, label) in zip(grid, labels.items()):
+        for k, colour in enumerate(colours):
+            values = factors[name] * record.plies[name][:, k]
+            axes.plot(US * record.time, values, color=colour, lw=1.4, label=f"ply {k + 1}")
+        axes.set_ylabel(label)
+    grid[-1].set(xlabel="time after strike [µs]", xlim=(0, US * float(record.time[-1])))
+    # of many plies a few are named
+    lines, names = grid[0].get_legend_handles_labels()
+    every = -(-record.count // _MOST_NAMED)
+    grid[0].legend(lines[::every], names[::every], ncols=_MOST_NAMED, fontsize=10, loc="upper left")
+    low, high = grid[0].get_ylim()
+    grid[0].set_ylim(low, low + 1.3 * (high - low))
     return figure
 
 
