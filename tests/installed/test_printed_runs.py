@@ -37,7 +37,7 @@ def test_what_a_page_prints_runs(page, tmp_path):
 
     def run(argv):
         done = subprocess.run(
-            argv, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=900
+            argv, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=3000
         )
         assert done.returncode == 0, f"{argv}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
         return done.stdout + done.stderr

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numba
 import pytest
 
 from fabrics import catalogue
@@ -11,6 +12,16 @@ from shellfabric.impact.setup import ImpactSetup
 from tests.shellfabric.panels import SERIAL, make_panel, table
 
 SHOT = {"opening": 0.0508, "table_size": 101, "end_time": 60e-6}
+
+
+@pytest.fixture(autouse=True)
+def one_thread():
+    """Kernels of a block have one thread, which does not wait for another one; a test that is about threads sets
+    more of them."""
+    before = numba.get_num_threads()
+    numba.set_num_threads(1)
+    yield
+    numba.set_num_threads(before)
 
 
 @pytest.fixture(scope="session")

@@ -204,6 +204,7 @@ def test_what_bricks_take_is_the_work_of_their_forces(material, viscosity, size,
     ) == pytest.approx(work, rel=3e-3)
 
 
+@pytest.mark.slow(15)
 def test_hertz():
     """A rigid ball pressed slowly: F = 4/3 E* R^(1/2) d^(3/2) within 4 % at 7 bricks over the radius of the contact.
 

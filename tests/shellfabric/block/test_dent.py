@@ -3,6 +3,7 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numba
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -95,7 +96,9 @@ def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, m
         assert_array_equal(resumed.backing.nodes, block.nodes)
         assert_array_equal(resumed.backing.dent, block.dent)
         assert_array_equal(resumed.time, alone.time)
+    numba.set_num_threads(2)
     shared = run_impact(replace(setup, numerics=Numerics(threads=2)))
+    numba.set_num_threads(1)
     assert_array_equal(shared.backing.nodes, block.nodes)
     for name, energy in alone.energies.items():
         assert_array_equal(shared.energies[name], energy, err_msg=name)

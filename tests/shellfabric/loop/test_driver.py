@@ -248,7 +248,7 @@ class Threaded(Oscillator):
 
     def run_worker(self, shared, me):
         self.begun.append(me)
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 3000
         while not shared[STOP] and time.monotonic() < deadline:
             time.sleep(1e-4)
         self.released += bool(shared[STOP])

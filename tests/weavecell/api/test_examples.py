@@ -39,7 +39,7 @@ def test_the_script_prints_its_number(script, tmp_path):
         env=environment | {"MPLBACKEND": "Agg"},
         capture_output=True,
         text=True,
-        timeout=900,
+        timeout=3000,
     )
     assert done.returncode == 0, done.stderr
     words, number = NUMBERS[script.stem]

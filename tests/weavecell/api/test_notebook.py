@@ -22,7 +22,7 @@ TUTORIALS = sorted(Path(__file__).parents[3].glob("docs/tutorials/*.ipynb"))
 def outputs(notebook, folder):
     """The outputs of each cell."""
     nbclient.NotebookClient(
-        notebook, timeout=900, resources={"metadata": {"path": str(folder)}}
+        notebook, timeout=3000, resources={"metadata": {"path": str(folder)}}
     ).execute()
     return [cell.get("outputs", ()) for cell in notebook.cells]
 
