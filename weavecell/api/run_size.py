@@ -153,6 +153,10 @@ class RunSize(_Size):
         from weavecell.studies import choice
 
         if setup.instead is not None:
+            chosen = choice.choose(setup, setup.strike_velocity, ())
+            if chosen.resolved:  # the friction of the yarns decides before the run
+                resolved = choice.with_resolved(setup)
+                return cls.estimate(resolved, title, (*assumed, str(chosen)), written)
             again = cls.estimate(choice.with_resolved(setup), title, (), written)
             setup = choice.with_pinned(setup)
             assumed = (*assumed, f"if the checks ask for resolved yarns, another {again.cost}")

@@ -243,8 +243,8 @@ class _Shooting:
         return result, shot.failure
 
     def choose_yarns(self, setup: ImpactSetup) -> tuple[Shot, Target, str]:
-        """Fire with pinned yarns, and again with resolved ones if the checks of that shot ask for
-        them.
+        """Fire with resolved yarns if their friction may not hold them, which needs no run to be known;
+        else with pinned ones, and again with resolved ones if these unzip.
 
         Returns
         -------
@@ -254,19 +254,23 @@ class _Shooting:
         from weavecell.studies import choice
 
         # what resolved yarns do not have is refused before the first shot
-        more = RunSize.estimate(choice.with_resolved(setup), self.target.shot_title, ())
-        shot = self.shoot(choice.with_pinned(setup))
-        pinned = replace(self.target, setup=choice.with_pinned(setup))
-        if shot.failure is not None:
-            return shot, pinned, ""
-        chosen = choice.choose(setup, setup.strike_velocity, shot.result.checks)
-        if not chosen.resolved:
-            return shot, pinned, str(chosen)
-        before = f"pinned yarns: {shot.result.outcome}, {shot.result.residual_velocity:.1f} m/s"
-        logging.getLogger("weavecell").info(f"{before}; {chosen}; {more.cost} at most")
         resolved = choice.with_resolved(setup)
+        more = RunSize.estimate(resolved, self.target.shot_title, ())
+        chosen = choice.choose(setup, setup.strike_velocity, ())
+        why = str(chosen)
+        if not chosen.resolved:
+            pinned = replace(self.target, setup=choice.with_pinned(setup))
+            shot = self.shoot(pinned.setup)
+            if shot.failure is not None:
+                return shot, pinned, ""
+            chosen = choice.choose(setup, setup.strike_velocity, shot.result.checks)
+            if not chosen.resolved:
+                return shot, pinned, str(chosen)
+            left = f"{shot.result.residual_velocity:.1f} m/s"
+            why = f"{chosen} (pinned yarns: {shot.result.outcome}, {left})"
+        logging.getLogger("weavecell").info(f"{why}; {more.cost} at most")
         target = replace(self.target, setup=resolved)
-        return self.shoot(resolved, mesh="resolved yarns"), target, f"{chosen} ({before})"
+        return self.shoot(resolved, mesh="resolved yarns"), target, why
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.
