@@ -5,6 +5,12 @@ import json
 
 import h5py
 
+from fabrics.base.units import NUMBER
+from weavecell.results import file_list
+
+# a picture frame that is solved in a second
+FRAME = '[fabric]\nname = "S-720"\n[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n[run]\nsteps = 2\n'
+
 SCENE = """
 {head}
 [fabric]
@@ -91,6 +97,20 @@ def toml(table):
 def every(snapshots, checkpoints):
     """Lines of [run] with the intervals of snapshots and of checkpoints, as texts with a unit."""
     return f'snapshot_interval = "{snapshots}"\ncheckpoint_interval = "{checkpoints}"\n'
+
+
+def scale_quantity(text, factor):
+    """Multiply the number of a quantity as text by a factor; None of a text that begins with no number."""
+    number = NUMBER.match(text)
+    if number is None:
+        return None
+    return f"{float(number[0]) * factor:.12g}{text[number.end() :]}"
+
+
+def is_whole(out):
+    """Tell whether a folder of results says that it is whole, and is."""
+    listed = file_list.FileList.read(out)
+    return listed.whole is not None and not listed.damaged(out, ["*", "*/*"])
 
 
 def datasets(path):

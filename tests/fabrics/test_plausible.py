@@ -11,8 +11,8 @@ import pytest
 
 from fabrics import catalogue, plausible
 from fabrics.base.errors import InputError
-from fabrics.base.units import NUMBER, in_one_of
-from tests.scene_text import toml
+from fabrics.base.units import in_one_of
+from tests.scene_text import scale_quantity, toml
 
 ROOT = Path(__file__).parents[2]
 FILES = {name: ROOT / "fabrics" / "catalogue" / f"{name}.toml" for name in catalogue.list_names()}
@@ -34,12 +34,6 @@ def numbers_of(table, prefix=""):
         elif isinstance(entry, dict):
             found |= numbers_of(entry, f"{prefix}{key}.")
     return found
-
-
-def scaled(text, factor):
-    """A quantity as text, its number times a factor."""
-    number = NUMBER.match(text)
-    return f"{float(number[0]) * factor:.12g}{text[number.end() :]}"
 
 
 def is_silent(table, values):
@@ -66,7 +60,7 @@ def test_a_number_that_is_ten_times_too_large_or_too_small_is_not_silent(name):
     silent = []
     for key, entry in numbers_of(table).items():
         for factor in (10.0, 100.0, 1000.0, 0.1, 0.01, 0.001):
-            if is_silent(table, {key: scaled(entry["value"], factor)}):
+            if is_silent(table, {key: scale_quantity(entry["value"], factor)}):
                 silent.append((name, key, factor))
     assert set(silent) <= BALANCED
 
@@ -79,7 +73,7 @@ def test_percent_for_a_fraction_and_degrees_for_radians_are_not_silent(name):
         text = entry["value"]
         slips = []
         if text.endswith("%"):
-            slips = [text.rstrip("% "), scaled(text, 0.01)]
+            slips = [text.rstrip("% "), scale_quantity(text, 0.01)]
         elif "gamma" in key:
             slips = [f"{text} deg", f"{degrees(float(text)):g}"]
         silent += [(key, slip) for slip in slips if is_silent(table, {key: slip})]

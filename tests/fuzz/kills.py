@@ -24,13 +24,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fabrics.base import files
-from tests.scene_text import impact_scene
+from tests.scene_text import FRAME, impact_scene, is_whole
 from weavecell.results import file_list
 
 SHORT = {"opening": "20 mm", "end_time": "5 us"}
 SMALL = {"opening": "30.6 mm", "end_time": "60 us", "run": "elements_per_crossover = 1"}
 OUTPUTS = 'elements_per_crossover = 1\noutputs = ["paraview", "report"]'
-COUPON = '[fabric]\nname = "S-720"\n[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n[run]\nsteps = 2\n'
 PULL = '[fabric]\nname = "S-726"\n[pull_out]\ncrossings = 10\ndisplacement = "1 mm"\ncrossover_cohesion = "0.5 N"\n'
 FLIGHT = "time [us], displacement [mm]\n" + "".join(
     f"{t}, {0.15 * t - 2e-4 * t**2}\n" for t in range(0, 300, 5)
@@ -40,7 +39,7 @@ INPUTS = {
     "bare.toml": impact_scene(**SHORT, run="elements_per_crossover = 1\noutputs = []"),
     "study.toml": impact_scene(**SMALL),
     "other.toml": impact_scene(**SMALL, fabric="S-728"),
-    "frame.toml": COUPON,
+    "frame.toml": FRAME,
     "pull.toml": PULL,
     "tests.csv": "velocity [m/s], outcome, residual velocity [m/s]\n80, PP, 0\n120, CP, 31\n95, CP, 12\n",
     "flight.csv": FLIGHT,
@@ -217,12 +216,6 @@ def tables(folder):
     return {
         name: known for name, known in digests(folder).items() if file_list.matches(name, TABLES)
     }
-
-
-def is_whole(out):
-    """Whether a folder of results says that it is whole, and is."""
-    listed = file_list.FileList.read(out)
-    return listed.whole is not None and not listed.damaged(out, ["*", "*/*"])
 
 
 def undisturbed(command, base):

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fabrics.base.units import NUMBER
-from tests.scene_text import merged, toml
+from tests.scene_text import merged, scale_quantity, toml
 
 SHOT = {
     "fabric": {"name": "S-720"},
@@ -168,10 +168,7 @@ def scaled(value, factor):
         return None
     if not isinstance(value, str):
         return value * factor
-    number = NUMBER.match(value)
-    if number is None:
-        return None
-    return f"{float(number[0]) * factor:.12g}{value[number.end() :]}"
+    return scale_quantity(value, factor)
 
 
 def mutate(drawn, name):

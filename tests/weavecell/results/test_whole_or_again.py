@@ -9,11 +9,10 @@ import sys
 import pytest
 
 from fabrics.base import files
-from tests.scene_text import impact_scene
+from tests.scene_text import FRAME, impact_scene, is_whole
 from weavecell.results import file_list
 
 SCENE = impact_scene(opening="30 mm", end_time="20 us", run='outputs = ["paraview", "report"]')
-FRAME = '[fabric]\nname = "S-720"\n[picture_frame]\nshear_angle = "5 deg"\ncrossovers = 2\n[run]\nsteps = 2\n'
 COMMANDS = {
     "impact": "impact scene.toml --no-assumed-range",
     "coupon": "coupon frame.toml",
@@ -40,11 +39,6 @@ def inputs(tmp_path):
 
 def listing(out):
     return sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
-
-
-def is_whole(out):
-    listed = file_list.FileList.read(out)
-    return listed.whole is not None and listed.damaged(out, ["*", "*/*"]) == []
 
 
 def ended_at(monkeypatch, number, end):

@@ -10,8 +10,7 @@ import weavecell as wc
 from fabrics import assumed, backings, catalogue, plausible, projectiles
 from fabrics.base.errors import InputError
 from fabrics.base.schema import unit_of
-from fabrics.base.units import NUMBER
-from tests.scene_text import merged
+from tests.scene_text import merged, scale_quantity
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
 from weavecell.scenes import build, coupon, honoured
 from weavecell.scenes.fabric_table import check_scene
@@ -76,10 +75,7 @@ def numbers(value, factor):
         return max(1, round(value * factor))
     if isinstance(value, float):
         return value * factor
-    number = NUMBER.match(value) if isinstance(value, str) else None
-    if number is None:
-        return None
-    return f"{float(number[0]) * factor:.12g}{value[number.end() :]}"
+    return scale_quantity(value, factor) if isinstance(value, str) else None
 
 
 def is_numeric(key):
