@@ -36,6 +36,32 @@ def interrupted_at(share, least_wall=0.0):
         yield
 
 
+_DRAWN = {}  # pictures of `drawn_once`
+
+
+@pytest.fixture
+def drawn_once(monkeypatch):
+    """Draw each kind of picture once a process, whatever it shows: for tests that run a scene many times and look at
+    which files there are."""
+    from weavecell.report import pictures
+    from weavecell.report.shot import view
+
+    def once(name, draw):
+        if name not in _DRAWN:
+            _DRAWN[name] = draw()
+        return _DRAWN[name]
+
+    render, film = pictures.render, view.cut_in_motion
+    monkeypatch.setattr(
+        pictures,
+        "render",
+        lambda draw, *given, kind="svg": once(
+            (draw.__module__, draw.__qualname__, kind), lambda: render(draw, *given, kind=kind)
+        ),
+    )
+    monkeypatch.setattr(view, "cut_in_motion", lambda record: once("film", lambda: film(record)))
+
+
 @pytest.fixture
 def interrupted():
     return interrupted_at

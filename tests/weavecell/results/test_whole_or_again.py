@@ -32,7 +32,7 @@ ENDS = {
 
 
 @pytest.fixture
-def inputs(tmp_path):
+def inputs(tmp_path, drawn_once):
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "frame.toml").write_text(FRAME)
 
