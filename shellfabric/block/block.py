@@ -67,8 +67,9 @@ class Backing:
     outer_boundary : "fixed", "absorbing" or "free" outer faces
     standoff : [m] of the face from z = 0; behind a panel (`block.coupling`) from the back of its
         last ply
-    hourglass : factor on the hourglass stiffness of the full rule, which would stand in for
-        strength lost in flow
+    hourglass : factor f of the hourglass control (`control_kernels`): of the stiffness of the full
+        rule, which would stand in for strength lost in flow, and of the shear modulus that holds
+        the volumes of the corners
     viscosity : damping ratio of the highest mode
     penalty : stiffness of the contact with a projectile, in units of the bricks' own K A / h
     contact_damping : ratio to critical of a node on that spring, and of a point of the fabric on
@@ -206,15 +207,15 @@ class Block:
         bricks = Bricks.of(self.rest[_corners(nodes)])
         material = backing.material
         found = BlockRow.zeros(bricks=nx * ny * nz, nodes=nodes.size, sheets=nx + 1)
-        moduli = 3 * (material.modulus,)
         found |= {
             "nx": nx,
             "ny": ny,
             "nz": nz,
             "gradient": bricks.gradient,
             "volume": bricks.volume,
-            "twist": np.ascontiguousarray(bricks.twist),
-            "control": backing.hourglass * bricks.control(moduli, material.shear),
+            "shape": np.ascontiguousarray(bricks.twist),
+            "control": backing.hourglass * bricks.control_weights,
+            "hourglass_factor": backing.hourglass,
             "edges": bricks.edges,
             "x": self.rest.copy(),
         }
@@ -462,7 +463,7 @@ class Block:
             row.kinetic_energy.sum(),
             row.elastic_energy.sum(),
             row.plastic_work.sum(),
-            row.hourglass_energy.sum(),
+            row.hourglass_energy.sum() + row.corner_energy.sum(),
             row.viscous_work.sum(),
             row.dashpot_work.sum(),
             row.lost_by_erosion.sum(),
@@ -470,6 +471,12 @@ class Block:
             row.taken + (row.contact_work - row.contact_work_ahead).sum() - held,
         )
         return dict(zip(ENERGIES, map(float, values)))
+
+    @property
+    def momentum(self) -> float:
+        """[N s] along z, of the modelled part: what it moves with, half a step back, and what its
+        held and absorbing faces have taken. It is the impulse of all contacts so far."""
+        return float(self.mass @ self.v[:, 2] + self.row.outer_impulse.sum())
 
     @property
     def time(self) -> float:

@@ -11,10 +11,9 @@ logarithmic strains,
 9; the return is in `flow_kernels`). m = 0 is without rate. The return is exact along the trial; the
 rate is that of the step, implicit and so without a bound on it. A brick whose effective plastic
 strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had stored
-goes to a term of its own. Hourglass control is that of `brick_kernels`: a potential, blind to
-rotation. A linear bulk viscosity, xi rho c L d(ln J)/dt, damps the highest mode. L is the least
-height of the brick as it is: with the one at rest, flattened bricks would bear far shorter steps
-than their waves allow.
+goes to a term of its own. Hourglass control is that of `control_kernels`. A linear bulk viscosity,
+xi rho c L d(ln J)/dt, damps the highest mode. L is the least height of the brick as it is: with the
+one at rest, flattened bricks would bear far shorter steps than their waves allow.
 
 Plastic and viscous work of a step are those of the mean of the stresses before and after it, which
 is what its forces do: a brick that begins to flow in it was below its strength before.
@@ -28,7 +27,15 @@ import math
 import numpy as np
 from numba import prange
 
-from shellfabric.block.brick_kernels import brick_nodes, hourglass, mean_deformation
+from shellfabric.block.brick_kernels import brick_nodes, mean_deformation
+from shellfabric.block.control_kernels import (
+    control_energy,
+    control_forces,
+    corner_forces,
+    kept_share,
+    mode_offsets,
+    relax,
+)
 from shellfabric.flow_kernels import flow_increment
 from shellfabric.jit.compile import entry, kernel
 
@@ -202,9 +209,15 @@ def forces_slice(i, block, dt):
     nodes = np.empty(8, np.int64)
     places = np.empty((8, 3))
     F = np.empty((3, 3))
+    Fi = np.empty((3, 3))
     P = np.empty((3, 3))
     D = np.empty((3, 3))
-    H = np.empty((4, 3))
+    offsets = np.empty((4, 3))
+    scratch = np.empty((2, 3, 3))
+    shear = law.shear_modulus
+    young = 9.0 * law.bulk_modulus * shear / (3.0 * law.bulk_modulus + shear)
+    moduli = (shear, young - shear)
+    stiff = 3.0 * block.hourglass_factor * shear
     per_time = 0.0
     if dt > 0.0:
         per_time = 1.0 / dt
@@ -222,39 +235,58 @@ def forces_slice(i, block, dt):
                     places[a, c] = block.x[nodes[a], c]
                     own[a, c] = 0.0
             mean_deformation(places, gradient, F)
-            J = inverse(F, P)
+            J = inverse(F, Fi)
             if not J > 0.0:
                 block.elastic_energy[m] = np.nan
                 continue
             swell = math.log(J)
             rate = (swell - block.last_swelling[m]) * per_time
             before = block.alpha[m]
-            viscous = law.bulk_viscosity * least_height(P, block.edges[m]) * rate
+            viscous = law.bulk_viscosity * least_height(Fi, block.edges[m]) * rate
             stored, work, alpha = hencky(F, block.metric[m], before, law, viscous, dt, P)
             # the distortion's share of what is stored gives the stress: q^2 / 6 G
             distorting = max(stored - 0.5 * law.bulk_modulus * swell * swell, 0.0)
-            mises = math.sqrt(6.0 * law.shear_modulus * distorting)
+            mises = math.sqrt(6.0 * shear * distorting)
+            flow_stress = law.yield_stress + law.hardening * alpha
             if alpha > before:
                 work = 0.5 * (min(block.last_mises[m], mises) + mises) * (alpha - before)
+                flow_stress = max(flow_stress, mises)
             damped = 0.5 * (block.last_pressure[m] + viscous) * rate * dt
             block.alpha[m] = alpha
             block.last_swelling[m] = swell
             block.last_pressure[m] = viscous
             block.last_mises[m] = mises
-            held = hourglass(F, places, block.twist[m], block.control[m], H, D, own)
+            shape = block.shape[m]
+            weight = block.control[m]
+            mode_offsets(F, places, shape, offsets)
+            held = control_energy(Fi, offsets, weight, moduli)
+            twisting = math.sqrt(2.0 * stiff * held / volume)
+            keep = kept_share(twisting, flow_stress, alpha - before, stiff)
+            if keep < 1.0:
+                relax(Fi, keep, offsets, shape)
+                held *= keep * keep
+                now = keep * twisting
+                last = math.sqrt(2.0 * stiff * block.hourglass_energy[m] / volume)
+                work += 0.5 * (min(last, now) + now) * (twisting - now) / stiff
+            D[:] = 0.0
+            control_forces(Fi, offsets, shape, weight, moduli, D, own)
+            modulus = stiff * volume / 24.0
+            corners = corner_forces(places, swell, Fi, volume, modulus, scratch, D, own)
             block.plastic_work[m] += volume * work
             block.viscous_work[m] += volume * damped
             if alpha >= law.erosion_strain:
                 block.gone[m] = True
                 # its stress does no work any more, so half of the last step's was never done
-                rise = volume * (stored + work + damped) + held
-                rise = rise - block.elastic_energy[m] - block.hourglass_energy[m]
-                block.lost_by_erosion[m] = volume * stored + held - 0.5 * rise
-                block.elastic_energy[m] = block.hourglass_energy[m] = 0.0
+                kept = block.elastic_energy[m] + block.hourglass_energy[m] + block.corner_energy[m]
+                now = volume * stored + held + corners
+                rise = now + volume * (work + damped) - kept
+                block.lost_by_erosion[m] = now - 0.5 * rise
+                block.elastic_energy[m] = block.hourglass_energy[m] = block.corner_energy[m] = 0.0
                 own[:] = 0.0
                 continue
             block.elastic_energy[m] = volume * stored
             block.hourglass_energy[m] = held
+            block.corner_energy[m] = corners
             for a in range(8):
                 for c in range(3):
                     for r in range(3):
@@ -278,7 +310,7 @@ def move_slice(i, block, kick, dt):
     nx = block.nx
     ny = block.ny
     nz = block.nz
-    kinetic = lost = taken = ahead = 0.0
+    kinetic = lost = taken = ahead = impulse = 0.0
     for j in range(ny + 1):
         for k in range(nz + 1):
             n = (i * (ny + 1) + j) * (nz + 1) + k
@@ -305,12 +337,15 @@ def move_slice(i, block, kick, dt):
                 pressed = kick * (block.outer[n, c] + block.drags[n, c])
                 taken += pressed * mean
                 ahead += 0.5 * pressed * after
+                if c == 2 and (block.free[n, c] == 0.0 or dashpot > 0.0):
+                    impulse += mass * (before - after) - kick * total
                 block.v[n, c] = after
                 block.x[n, c] += dt * after
     block.kinetic_energy[i] = kinetic
     block.dashpot_work[i] += lost
     block.contact_work[i] += taken
     block.contact_work_ahead[i] = ahead
+    block.outer_impulse[i] += impulse
 
 
 @entry(parallel=True)

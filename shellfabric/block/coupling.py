@@ -389,6 +389,13 @@ class BackingCoupling(Part):
         if self.const.mirror_y:
             self._nodal(state.f_block_cloth[1])[:, 0] = 0.0
 
+    def face(self) -> FloatArray:
+        """Return the nodes (nx + 1, ny + 1, 3) [m] of the remaining face of the block as it is, in
+        the frame of the last ply."""
+        face = self.block.depth_map()
+        face[..., 2] += self.block.backing.standoff
+        return turned_back(face, self._turned_back)
+
     def rows(self) -> dict[str, Row]:
         """Return the rows of block and points, see Part."""
         assert self.block.points is not None  # they are made in the first step

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
+from shellfabric.block.control_kernels import CORNER_NEIGHBOURS, CORNER_SIGNS
 
 if TYPE_CHECKING:
     from shellfabric.block.block import Block
@@ -102,12 +103,17 @@ def floor_brick(face: FloatArray, radius: float) -> float:
     return float(max(edges) / radius)
 
 
-def overtaking(block: Block) -> float:
-    """Compute the furthest [m] that a node has gone past the one below it in its column of bricks; 0
-    where all are in order. Such bricks are folded in an hourglass mode: their mean deformation, of
-    which alone they know, is sound."""
-    z = block.x[block.nodes, 2]
-    return max(0.0, float((z[..., :-1] - z[..., 1:]).max()))
+def folding(block: Block) -> float:
+    """Compute the largest share [-] of its part of a brick's volume that a corner has lost: the
+    triple product of its edges against the brick's mean deformation. Above 1 the corner is turned
+    inside out and the brick folded, of which its mean deformation knows nothing."""
+    x = block.x[block.bricks[~block.gone]]
+    edges = x[:, CORNER_NEIGHBOURS] - x[:, :, None]  # bricks, corners, edges, axes
+    triple = np.prod(CORNER_SIGNS, axis=1) * np.linalg.det(edges)
+    mean = np.linalg.det(np.einsum("bac,bai->bci", x, block.row.gradient[~block.gone]))
+    at_rest = block.row.volume[~block.gone]
+    shares = triple / (mean * at_rest)[:, None]
+    return float(1.0 - shares.min(initial=1.0))
 
 
 def crossing(block: Block) -> float:

@@ -72,6 +72,16 @@ class Bricks:
             2 * np.linalg.norm(middle, axis=1),
         )
 
+    @property
+    def control_weights(self) -> FloatArray:
+        """Weights (m, 4, 3) [m] of the slopes of each hourglass mode along each edge in the energy
+        of the 2 x 2 x 2 rule: volume x mean square of its pattern over the square of the edge."""
+        found = np.zeros((len(self.volume), 4, 3))
+        for mode, (directions, square) in enumerate(SLOPES):
+            for c in directions:
+                found[:, mode, c] = self.volume * square / (16 * self.edges[:, c] ** 2)
+        return found
+
     def control(self, moduli: Sequence[float], shear: float) -> FloatArray:
         """Compute the hourglass stiffness (m, 4, 3) [N/m3]: the energy of the 2 x 2 x 2 rule at
         rest.

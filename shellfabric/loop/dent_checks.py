@@ -31,7 +31,7 @@ def indicators(solver: Any) -> tuple[Indicator, ...]:
         "face under held fabric": dent.covered(solver.plies[-1][0]),
         "face across symmetry": solver.sample("crossing").max() / brick,
         "hourglass energy of the block": _hourglass_share(solver),
-        "folded bricks": dent.overtaking(block) / deepest,
+        "folded bricks": dent.folding(block),
     }
     if found.deepest_dent > 0.1 * brick:
         values["spike of the dent"] = dent.spike(found.depth_map, block.backing.mirrors)

@@ -252,9 +252,9 @@ LIMITS = {
         "largest energy in the hourglass springs of the block over the energy that it has taken up",
     ),
     "folded bricks": (
-        0.1,
-        "furthest that a node of the block has gone past the one below it, in an hourglass mode, over "
-        "the deepest dent: so far its depth may be off",
+        1.0,
+        "largest share of its part of a brick's volume that a corner of it has lost at the end: above 1 "
+        "it is turned inside out, and the brick is folded in an hourglass mode",
     ),
     "spike of the dent": (
         0.5,
@@ -291,7 +291,7 @@ NOTES = {
     "friction to hold yarns": 0.15,
     "motion at held faces": 0.03,
     "brick on the dent's floor": 0.5,
-    "folded bricks": 0.01,
+    "folded bricks": 0.9,
     "hourglass energy of the block": 0.07,
     "change of the dent": 0.02,
     "springback of the dent": 0.1,

@@ -27,12 +27,13 @@ ELASTIC = Isotropic(BACKING.density, BACKING.modulus, BACKING.poisson)
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 40e-6, "backing": BLOCK}
 
 
-def test_momentum_of_all_three_is_kept(fabric):
-    """Free cloth before a free block: what the projectile loses they have, along its flight."""
+@pytest.mark.parametrize("faces", ["free", "fixed", "absorbing"])
+def test_momentum_of_all_three_is_kept(fabric, faces):
+    """Free fabric before a block: what the projectile loses they have, and the outer faces of the block."""
     setup = ImpactSetup(
         fabric,
         100.0,
-        **QUICK | {"backing": replace(BLOCK, outer_boundary="free"), "boundary": "free"},
+        **QUICK | {"backing": replace(BLOCK, outer_boundary=faces), "boundary": "free"},
     )
     march = PackSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
@@ -43,9 +44,15 @@ def test_momentum_of_all_three_is_kept(fabric):
     # the block is a step ahead: what it was given last still waits in state.f_block_cloth and state.f_block_nose
     waiting = sum(b.sum() for b in state.f_block_cloth[2:]) + state.f_block_nose[2]
     cloth = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2]
-    found = cloth + const.dt * waiting + float(block.mass @ block.v[:, 2])
-    assert float(block.mass @ block.v[:, 2]) > 0.02 * start
+    found = cloth + const.dt * waiting + block.momentum
+    moving = float(block.mass @ block.v[:, 2])
+    assert moving > 0.02 * start
     assert found == pytest.approx(start, rel=1e-9)
+    taken = block.momentum - moving
+    if faces == "free":
+        assert taken == 0.0
+    else:
+        assert abs(taken) > 1e-4 * start
     assert numba.threading_layer() == "omp"  # others can hang as the process ends
 
 

@@ -182,15 +182,23 @@ def test_the_brick_on_the_floor_is_measured_as_it_is():
         assert quality.indicator("brick on the dent's floor", found).status == status
 
 
-def test_a_node_past_the_one_below_it_folds_its_bricks():
-    """By 0.4 mm in a dent of 10 mm: noted; beyond 1 mm doubtful; bricks pressed flat are in order."""
-    for past, status in ((0.0, "ok"), (0.4e-3, "noted"), (1.2e-3, "doubtful")):
-        block = block_with(bowl)
-        assert dent.overtaking(block) == 0.0
-        block.x[block.nodes[0, 0, 1], 2] = block.x[block.nodes[0, 0, 0], 2] - past
-        found = dent.overtaking(block)
-        assert found == pytest.approx(past, abs=1e-12)
-        assert quality.indicator("folded bricks", found / 0.01).status == status
+def test_a_corner_inside_out_folds_its_brick():
+    """A node of the face driven down an edge of 2.5 mm: noted below a tenth of the mean height, doubtful past it."""
+    for left, status in ((1.25e-3, "ok"), (0.1e-3, "noted"), (-0.4e-3, "doubtful")):
+        block = block_with(lambda x, y: 0 * x)
+        assert dent.folding(block) == pytest.approx(0.0, abs=1e-12)
+        block.x[block.nodes[0, 0, 0], 2] = block.x[block.nodes[0, 0, 1], 2] - left
+        found = dent.folding(block)
+        mean = 0.75 * 2.5e-3 + 0.25 * left
+        assert found == pytest.approx(1 - left / mean, abs=1e-9)
+        assert quality.indicator("folded bricks", found).status == status
+
+
+def test_bricks_that_are_turned_and_flattened_are_not_folded():
+    block = block_with(lambda x, y: 0 * x)
+    turned = np.array([[0, -1.0, 0], [1, 0, 0], [0, 0, 1]]) @ np.diag([2.0, 1.7, 0.1])
+    block.x[:] = block.rest @ turned.T
+    assert dent.folding(block) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_node_across_a_plane_of_symmetry_and_motion_beside_held_faces_are_found():
