@@ -40,6 +40,8 @@ class Snapshot:
         segments
     body, plastic : (nodes, 2) [m] r and z of a projectile of metal, its foremost point at z = 0, and
         (elements,) effective plastic strain, both with the first ply; of another body empty
+    face : (nx + 1, ny + 1, 3) [m] nodes of the face of the block behind the last ply, in the frame
+        of the pack, as the nodes, with the first ply; without a block empty
     """
 
     t: float
@@ -53,6 +55,7 @@ class Snapshot:
     failed_segments: np.ndarray
     body: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     plastic: np.ndarray = field(default_factory=lambda: np.empty(0))
+    face: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 3)))
 
 
 def snapshot(
@@ -112,6 +115,11 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     if body is not None:
         places, plastic = body.as_it_is()
         found[0] = replace(found[0], body=places, plastic=plastic)
+    behind = solver.part("block")
+    if behind is not None:
+        face = behind.face()
+        face[..., 2] += solver.pack.places[-1]
+        found[0] = replace(found[0], face=solver.pack.plies[-1].in_pack(face))
     return tuple(found)
 
 

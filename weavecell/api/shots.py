@@ -7,6 +7,7 @@ The folder of `weavecell impact`
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
     body.pvd        that of body/body-*.vtu: a projectile of metal, with its strains
+    block.pvd       that of block/block-*.vtu: the face of the block behind the last ply
     pictures/       histories, cuts, energies (.svg), panel.png
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
@@ -70,7 +71,8 @@ __all__ = ["ShotResult", "impact"]
 
 RANGE = "range"  # folder of the finished shots of the range over what is assumed
 WINDOW = "window"  # folder of the finished shots at other velocities
-PANEL = ("panel.pvd", "panel/panel-*.vtu", "body.pvd", "body/body-*.vtu")
+SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")
+PANEL = ("panel.pvd", "panel/panel-*.vtu", *SURFACES)
 NAMES = (
     "scene.toml",
     "projectile.stl",
@@ -552,7 +554,8 @@ class ShotResult(ImpactRecord, Result):
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the panel for ParaView: panel.pvd with ``panel/*.vtu``, all plies in each;
-        and a projectile of metal with its strains, body.pvd with ``body/*.vtu``.
+        a projectile of metal with its strains, body.pvd with ``body/*.vtu``; and the face of a block
+        behind the last ply, block.pvd with ``block/*.vtu``, as far as it is modelled.
 
         Parameters
         ----------
@@ -568,6 +571,7 @@ class ShotResult(ImpactRecord, Result):
             vtk.write_panel(Path(folder), self.instants, self.quads)
             if bodies := self.bodies():
                 vtk.write_body(Path(folder), bodies)
+            vtk.write_faces(Path(folder), self.faces())
         return Path(folder) / "panel.pvd"
 
     @out_folder.saving(*NAMES)
@@ -587,7 +591,7 @@ class ShotResult(ImpactRecord, Result):
         outputs = self.case.scene.run.outputs
         stamp = self.save_numbers(out)
         # of an earlier run, whose series may have been longer
-        for names in ("panel/panel-*.vtu", "body.pvd", "body/body-*.vtu"):
+        for names in ("panel/panel-*.vtu", *SURFACES):
             out_folder.remove_earlier(out, names)
         if "paraview" in outputs:
             self.to_vtk(out)

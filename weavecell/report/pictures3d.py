@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from weavecell.report.pictures_style import RED, STEEL, tension_map
+from weavecell.report.pictures_style import CLAY, RED, STEEL, tension_map
 
 # [pixels] width and height of an image
 SIZE = (1120, 612)
@@ -35,6 +35,7 @@ def panel(
     centre: Sequence[float] | FloatArray = (0.0, 0.0, 0.0),
     *,
     front: bool = False,
+    face: FloatArray | None = None,
 ) -> np.ndarray:
     """Draw a panel in parallel projection: the image (rows, columns, 3).
 
@@ -44,6 +45,7 @@ def panel(
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
     front : whether the panel is seen from the side that is struck
+    face : (a, b, 3) [m] of `open_face`, of a block behind the panel
     """
     import pyvista
 
@@ -56,6 +58,9 @@ def panel(
     try:
         fabric = colour_grid(grid, strength, mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True, ambient=0.5, diffuse=0.5)
+        if face is not None and face.size:
+            clay = pyvista.StructuredGrid(*np.moveaxis(face, -1, 0))
+            scene.add_mesh(clay, color=CLAY, ambient=0.4, diffuse=0.6)
         surface = body - _CLOTH_DEPTH * viewer
         projectile = pyvista.StructuredGrid(*np.moveaxis(surface, -1, 0))
         scene.add_mesh(projectile, color=STEEL, ambient=0.3, diffuse=0.8, specular=0.3)
@@ -98,6 +103,31 @@ def colour_grid(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any
         if mirrored:
             whole = whole.merge(whole.reflect(normal, point=(0, 0, 0)), merge_points=False)
     return whole
+
+
+def open_face(face: FloatArray, mirrors: Sequence[bool], reach: float) -> FloatArray:
+    """Return what is drawn of the face of a block: the half of it at y > 0, so that the fabric
+    before the other half is seen from behind too, and no further than the fabric.
+
+    Parameters
+    ----------
+    face : (nx, ny, 3) [m] nodes of what is modelled, from the first along x and y to the last
+    mirrors : whether it is to be mirrored in the planes x = 0 and y = 0
+    reach : [m] from the impact point
+
+    Returns
+    -------
+    face : (a, b, 3) [m]; empty of an empty one
+    """
+    if not face.size:
+        return face
+    if mirrors[0]:
+        face = np.concatenate([face[:0:-1] * [-1, 1, 1], face])
+    # grid lines as they are at the edge of the block, where they have not moved
+    along, across = face[:, -1, 0], face[-1, :, 1]
+    inside = np.abs(along) <= max(reach, np.abs(along).min())
+    beyond = (across >= -1e-9) & (across <= max(reach, np.abs(across).min()))
+    return face[inside][:, beyond]
 
 
 def width(nodes: FloatArray, mirrored: bool) -> float:

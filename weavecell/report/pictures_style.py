@@ -22,6 +22,7 @@ FITTED = BLUE
 PUBLISHED = ORANGE
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 STEEL = "#7c8794"
+CLAY = "#c9a77c"
 
 # of tensions in 3D pictures: light grey where nothing happens, even steps of lightness down to a
 # dark blue

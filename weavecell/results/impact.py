@@ -6,9 +6,9 @@ instant; /plies/histories with one column a ply; /plies with one row a ply; /hal
 and /final/00, 01, ... with each ply's shape and state when the projectile had lost half of the
 energy that it lost (the snapshot nearest to it) and at the end, /quads/00, ... with the node
 numbers of its elements; /cuts with the section through the impact point at the instants of the
-snapshots, and in it the nodes of a projectile of metal with the plastic strain of its elements. Where
-there are any: /measured/00, ... with histories along the yarns of a ply (samples by elements or
-nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
+snapshots, and in it the nodes of a projectile of metal with the plastic strain of its elements, and
+the face of a block. Where there are any: /measured/00, ... with histories along the yarns of a ply
+(samples by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
 of tip, tail and centre of mass of an elastic projectile; /backing with the block at the end, as far
 as it is modelled. Nodes count from the middle surface of the first ply at rest. Every dataset has
 an attribute "unit".
@@ -282,6 +282,18 @@ class ImpactRecord(ImpactData):
                 found.append((TurnedBody(self.metal, cut.body, cut.plastic, place), cut.time))
         return found
 
+    def face_at(self, t: float) -> FloatArray:
+        """Return the face (nx, ny, 3) [m] of the block at the cut nearest to time t [s], as far as
+        it is modelled; empty without a block."""
+        if not self.cuts:
+            return np.empty((0, 0, 3))
+        return min(self.cuts, key=lambda cut: abs(cut.time - t)).face
+
+    def faces(self) -> list[tuple[FloatArray, float]]:
+        """Return the face (nx, ny, 3) [m] of the block behind the last ply at each cut, as far as it
+        is modelled, and the time [s]; none without a block."""
+        return [(cut.face, cut.time) for cut in self.cuts if cut.face.size]
+
     @property
     def ply_shares(self) -> FloatArray:
         """(plies,) [-] highest tension over strength in each ply."""
@@ -376,6 +388,8 @@ class ImpactRecord(ImpactData):
                 if cut.body.size:
                     put(file, f"cuts/{number:04d}/body", cut.body, "m")
                     put(file, f"cuts/{number:04d}/plastic", cut.plastic, "1")
+                if cut.face.size:
+                    put(file, f"cuts/{number:04d}/face", cut.face, "m")
             for ply, measured in enumerate(self.measured):
                 _write_measured(file.create_group(f"measured/{ply:02d}"), measured)
             for name in _PARTS:
@@ -408,7 +422,8 @@ class ImpactRecord(ImpactData):
             cuts = []
             for group in _members(file, "cuts"):
                 lines = tuple(line[()] for line in _members(group, "lines"))
-                more = {name: group[name][()] for name in ("body", "plastic") if name in group}
+                names = ("body", "plastic", "face")
+                more = {name: group[name][()] for name in names if name in group}
                 cuts.append(read_group(group, Cut, "cut", lines=lines, **more))
             for name, kind in zip(_PARTS, (BarHistory, MetalHistory, BackingResult)):
                 if name in file:

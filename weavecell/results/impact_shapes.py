@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fabrics.base.checks import FloatArray
+
 if TYPE_CHECKING:
     from shellfabric.loop.snapshots import Snapshot
     from shellfabric.membrane.model import Panel
@@ -68,6 +70,8 @@ class Cut:
     lines : tuple of (n, 2) [m] places x and z of each ply's middle surface; not a number where its
         yarn has failed
     body, plastic : of a projectile of metal, as in a Snapshot; of another body empty
+    face : (nx + 1, ny + 1, 3) [m] nodes of the face of the block behind the last ply, as far as it
+        is modelled; without a block empty
     """
 
     time: float
@@ -75,6 +79,7 @@ class Cut:
     lines: tuple
     body: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     plastic: np.ndarray = field(default_factory=lambda: np.empty(0))
+    face: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 3)))
 
     @classmethod
     def from_snapshots(cls, shots: Sequence[Snapshot], panels: Sequence[Panel]) -> Cut:
@@ -92,8 +97,28 @@ class Cut:
             gone = gone[(gone >= long[0]) & (gone <= long[-1])] - long[0]
             lines.append(np.insert(line, gone + 1, np.nan, axis=0))
         first = shots[0]
-        body = first.body, first.plastic
-        return cls(float(first.t), float(first.nose_position), tuple(lines), *body)
+        more = {name: getattr(first, name) for name in ("body", "plastic", "face")}
+        return cls(float(first.t), float(first.nose_position), tuple(lines), **more)
+
+    @property
+    def face_line(self) -> FloatArray:
+        """(n, 2) [m] places x and z of the face of the block at y = 0; empty without one."""
+        if not self.face.size:
+            return np.empty((0, 2))
+        # rows along x, of which that through the impact point moves in its plane
+        row = int(np.argmin(np.abs(self.face[..., 1]).max(axis=0)))
+        line = self.face[:, row, [0, 2]]
+        if np.abs(self.face[:, row, 1]).max() < 1e-3 * np.ptp(line[:, 0]):
+            return line
+        # a block at an angle to the frame of the pack
+        from scipy.interpolate import LinearNDInterpolator
+
+        points = self.face.reshape(-1, 3)
+        reach = float(np.abs(points[:, 0]).max())
+        x = np.linspace(-reach, reach, 4 * len(self.face))
+        z = LinearNDInterpolator(points[:, :2], points[:, 2])(x, 0 * x)
+        inside = np.isfinite(z)
+        return np.column_stack([x[inside], z[inside]])
 
 
 @dataclass(frozen=True)

@@ -94,6 +94,7 @@ OF_IMPACTS = (
     *_prefix_keys("backing", TABLES["backing"]),
     Key("quads/*", "1", "node numbers of a ply's elements"),
     *_prefix_keys("cuts/*", TABLES["cut"]),
+    Key("cuts/*/face", "m", "nodes of the face of the block behind the last ply"),
     Key("cuts/*/lines/*", "m", "x and z of a ply's middle surface, NaN where its yarn has failed"),
     Key("checks", "", "quality indicators as JSON"),
     Key("pack", "", "what is stacked, as JSON; empty of one ply"),

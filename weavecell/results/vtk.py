@@ -129,6 +129,26 @@ def write_body(out: Path, bodies: Iterable[tuple[TurnedBody, float]]) -> None:
     write_series(out / "body.pvd", times)
 
 
+def write_faces(out: Path, faces: Iterable[tuple[FloatArray, float]]) -> None:
+    """Write the face of a block as block.pvd and block/block-NNNN.vtu in the folder `out`; nothing of
+    no faces.
+
+    Parameters
+    ----------
+    faces : (nodes (nx, ny, 3) [m], time [s]) of each instant
+    """
+    import pyvista
+
+    times: dict[str, float] = {}
+    for number, (face, time) in enumerate(faces):
+        name = f"block/block-{number:04d}.vtu"
+        made = pyvista.StructuredGrid(*np.moveaxis(face, -1, 0))
+        write_grid(out / name, made.cast_to_unstructured_grid())
+        times[name] = time
+    if times:
+        write_series(out / "block.pvd", times)
+
+
 def write_grid(path: FilePath, content: Any) -> None:
     """Write a grid of pyvista as .vtu, whole or not at all."""
     with replace_whole(path) as beside:

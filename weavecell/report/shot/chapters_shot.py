@@ -264,6 +264,8 @@ def _cuts(record):
         "The fabric cut open along x through the impact point, with the projectile (grey). Left: the whole width, "
         "heights stretched. Right: to scale, the fabric as thick as it is; gaps are failed yarns."
     )
+    if record.backing is not None:
+        caption += " The block behind is brown."
     if record.count > 1:
         caption += " Plies are dark at the front and light at the rear."
     views = _cut_views(record)

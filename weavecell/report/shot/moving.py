@@ -17,7 +17,7 @@ import numpy as np
 
 from weavecell.report import pictures3d
 from weavecell.report.page import Figure, Report, Section
-from weavecell.report.pictures_style import ORANGE, RED, STEEL, tension_map
+from weavecell.report.pictures_style import CLAY, ORANGE, RED, STEEL, tension_map
 from weavecell.report.shot import chapters_shot
 from weavecell.results import vtk
 from weavecell.results.display import text
@@ -53,6 +53,8 @@ def section(
     if record.metal is not None:
         most = max(_rings(record, t)[:, 2].max() for _, t in instants)
         caption += _OF_METAL.format(f"{most:.2g}")
+    if record.backing is not None:
+        caption += " Brown: half of the face of the block behind."
     return Section(
         "motion", "The panel in motion", caption, tuple(figures), moving=moving(record, instants)
     )
@@ -95,8 +97,14 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         tension.append(np.column_stack([grid["tension_warp_N"], grid["tension_weft_N"]]))
     shares = np.array(tension) / record.strength[ply]
     body = _bodies(record, [t for _, t in chosen])
+    mirrors = (bool(record.mirror_x), bool(record.mirror_y))
+    width = pictures3d.width(places[0], record.mirror_x)
+    faces = [record.face_at(t) for _, t in chosen]
+    faces = [pictures3d.open_face(face, mirrors, 0.55 * width) for face in faces]
+    rows, columns = faces[0].shape[:2]
     parts = (
         body.astype("<f4"),
+        np.array(faces).astype("<f4"),
         first.cells.reshape(-1, 5)[:, 1:].astype("<u4"),
         differences,
         np.clip(np.round(_PER_UNIT * shares), 0, 255).astype(np.uint8),
@@ -126,12 +134,14 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         "bodyVertices": body.shape[-2] if body.ndim == 2 else 6 * (body.shape[1] - 1) * _AROUND,
         "flowed": [round(255 * part) for part in to_rgb(ORANGE)],
         "mostPlastic": max(float(body[..., 2].max()), 1e-3) if body.ndim == 3 else 0.0,
+        "faceRows": rows,
+        "faceColumns": columns,
         "perUnit": _PER_UNIT,
         "origin": low.tolist(),
         "step": step.tolist(),
         "rest": record.z_rest.tolist(),
-        "mirrors": [bool(record.mirror_x), bool(record.mirror_y)],
-        "width": pictures3d.width(places[0], record.mirror_x),
+        "mirrors": list(mirrors),
+        "width": width,
         "depth": deepest,
         "elevation": elevation,
         "projectile": noses,
@@ -140,6 +150,7 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         "palette": palette.tolist(),
         "failed": [round(255 * part) for part in to_rgb(RED)],
         "steel": [round(255 * part) for part in to_rgb(STEEL)],
+        "clay": [round(255 * part) for part in to_rgb(CLAY)],
         "data": base64.b64encode(packed).decode("ascii"),
     }
     return json.dumps(head)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weavecell.report.pictures import ENERGIES, place
-from weavecell.report.pictures_style import FAINT, INK, STEEL
+from weavecell.report.pictures_style import CLAY, FAINT, INK, STEEL
 from weavecell.results.display import MM, US
 
 if TYPE_CHECKING:
@@ -141,11 +141,24 @@ def fill_cut(whole: Any, near: Any, row: CutView, close_up: float, top: float) -
                     band = MM * _band(image, thickness)
                     axes.fill(*band.T, color=colour, alpha=0.45, lw=0, zorder=1.5)
     reach = MM * max(float(np.nanmax(line[:, 0])) for line in cut.lines)
+    if cut.face.size:
+        _fill_block(whole, near, cut.face_line, row.mirrored)
     whole.set(xlim=(-reach, reach), ylim=(-8, MM * top + 3))
     # at a given height it is not moved above all else, which takes long
     whole.set_title(row.title, y=1.0)
     high = MM * foremost(cut) + 0.8
     near.set(xlim=(-MM * close_up, MM * close_up), ylim=(high - 1.3e3 * close_up, high))
+
+
+def _fill_block(whole, near, line, mirrored):
+    """Draw the block below its face, a line (n, 2) [m], as far down as a picture shows."""
+    if mirrored:
+        line = np.concatenate([[-1, 1] * line[:0:-1], line])
+    below = np.full(2, 1.0)  # [m], deeper than any picture
+    ends = np.column_stack([line[[-1, 0], 0], below])
+    for axes in (whole, near):
+        axes.fill(*(MM * np.concatenate([line, ends]).T), fc=CLAY, lw=0, zorder=0.5)
+        axes.plot(*(MM * line.T), color="#7d5f38", lw=1.0, zorder=0.6)
 
 
 def outline(projectile: np.ndarray) -> np.ndarray:
@@ -180,10 +193,9 @@ def _images(line, mirrored):
 
 
 def foremost(cut: Cut) -> float:
-    """Find the highest point [m] of the plies and the nose."""
-    return max(
-        cut.nose_position, *(float(part[:, 1].max()) for line in cut.lines for part in pieces(line))
-    )
+    """Find the highest point [m] of the plies, the nose and the dent of a block."""
+    lines = [float(part[:, 1].max()) for line in cut.lines for part in pieces(line)]
+    return max(cut.nose_position, *lines, cut.face_line[:, 1].max(initial=-np.inf))
 
 
 def _band(line, thickness):

@@ -27,7 +27,7 @@ from fabrics.base.errors import InputError
 from fabrics.base.files import refuse_existing, replace_whole
 from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
-from weavecell.report.pictures_style import INK, RED, STEEL, WARP, WEFT, tension_map
+from weavecell.report.pictures_style import CLAY, INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
@@ -94,7 +94,13 @@ class Panel:
             half_height=0.37 * width,
             centre=(0.0, 0.0, 0.02 * width),
             front=self.record.outcome != "perforated",
+            face=self.face(t),
         )
+
+    def face(self, t: float) -> FloatArray:
+        """Return what is drawn of the face of a block at time t [s] (`pictures3d.open_face`)."""
+        width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
+        return pictures3d.open_face(self.record.face_at(t), self.mirrors, 0.55 * width)
 
     def headline(self) -> str:
         """Write title and outcome in one line."""
@@ -235,6 +241,8 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
         )
         return ()
     caption = "The panel at the end of the run, to scale, from the side where the projectile is."
+    if record.backing is not None:
+        caption += " Brown: half of the face of the block behind it."
     return (pictures.draw_figure("panel", caption, end, record, kind="png"),)
 
 
@@ -330,6 +338,9 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
             text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
             body = np.moveaxis(panel.body(grid, t), -1, 0)
             scene.add_mesh(pyvista.StructuredGrid(*body), color=STEEL)
+            face = panel.face(t)
+            if face.size:
+                scene.add_mesh(pyvista.StructuredGrid(*np.moveaxis(face, -1, 0)), color=CLAY)
         fabric = pictures3d.colour_grid(grid, np.array([top, top]), mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True)
     else:

@@ -16,6 +16,8 @@ async function view3d(root) {
     return values;
   };
   const body = take(Float32Array, (head.rings ? instants * head.rings : head.bodyVertices) * 3);
+  const { faceRows, faceColumns } = head;
+  const face = take(Float32Array, instants * faceRows * faceColumns * 3); // of the block behind
   const quads = take(Uint32Array, elements * 4);
   const places = take(Uint16Array, instants * nodes * 3); // differences from the instant before
   const tensions = take(Uint8Array, instants * elements * 2);
@@ -78,6 +80,20 @@ async function view3d(root) {
         }
     fill(steel, turned, shade);
   };
+  const clay = { position: gl.createBuffer(), colour: gl.createBuffer(), count: 6 * Math.max(0, faceRows - 1) * Math.max(0, faceColumns - 1) };
+  const clayPosition = new Float32Array(clay.count * 3);
+  const clayColour = Uint8Array.from({ length: clay.count * 3 }, (_, k) => head.clay[k % 3]);
+  const loadClay = (instant) => {
+    let vertices = 0;
+    for (let i = 0; i < faceRows - 1; i++)
+      for (let j = 0; j < faceColumns - 1; j++)
+        for (const corner of corners) {
+          const [row, column] = [i + (corner === 1 || corner === 2), j + (corner > 1)];
+          const node = ((instant * faceRows + row) * faceColumns + column) * 3;
+          for (let axis = 0; axis < 3; axis++) clayPosition[vertices++] = face[node + axis];
+        }
+    fill(clay, clayPosition, clayColour);
+  };
   const drawPart = (part, side, shift) => {
     for (const [name, target, type] of [["place", part.position, gl.FLOAT], ["colour", part.colour, gl.UNSIGNED_BYTE]]) {
       const place = gl.getAttribLocation(program, name);
@@ -112,6 +128,7 @@ async function view3d(root) {
       }
     }
     fabric.count = vertices / 3;
+    loadClay(instant);
     fill(fabric, position.subarray(0, vertices), colour.subarray(0, vertices));
     if (head.rings) loadBody(instant);
     root.querySelector("output").textContent = head.captions[instant];
@@ -134,6 +151,7 @@ async function view3d(root) {
     const centre = [-near * nose[0], -near * nose[1], (near - 1) * 0.5 * head.depth - near * nose[2]];
     for (const x of head.mirrors[0] ? [1, -1] : [1])
       for (const y of head.mirrors[1] ? [1, -1] : [1]) drawPart(fabric, [x, y, 1], centre);
+    if (clay.count) drawPart(clay, [1, 1, 1], centre);
     drawPart(steel, [1, 1, 1], nose.map((value, axis) => value + centre[axis]));
   };
 
