@@ -8,10 +8,10 @@ energy that it lost (the snapshot nearest to it) and at the end, /quads/00, ... 
 numbers of its elements; /cuts with the section through the impact point at the instants of the
 snapshots, and in it the nodes of a projectile of metal with the plastic strain of its elements, and
 the face of a block. Where there are any: /measured/00, ... with histories along the yarns of a ply
-(samples by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the histories
-of tip, tail and centre of mass of an elastic projectile; /backing with the block at the end, as far
-as it is modelled. Nodes count from the middle surface of the first ply at rest. Every dataset has
-an attribute "unit".
+(samples by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the
+histories of tip, tail and centre of mass of an elastic projectile; /backing with the block at the
+end, as far as it is modelled. Nodes count from the middle surface of the first ply at rest. Every
+dataset has an attribute "unit".
 """
 
 from __future__ import annotations
