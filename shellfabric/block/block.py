@@ -31,6 +31,7 @@ from shellfabric.block import block_kernels as kernels
 from shellfabric.block import contact_kernels as touch
 from shellfabric.block.hex8 import Bricks
 from shellfabric.block.state import BlockLaw, BlockPoints, BlockRow
+from shellfabric.law_rows import make_law
 from shellfabric.parts import own_steps
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.state import Nose
@@ -219,16 +220,8 @@ class Block:
             "edges": bricks.edges,
             "x": self.rest.copy(),
         }
-        found["law"] = BlockLaw(
-            bulk_modulus=material.bulk,
-            shear_modulus=material.shear,
-            yield_stress=material.yield_stress,
-            hardening=material.hardening,
-            erosion_strain=material.erosion_strain,
-            rate_exponent=material.rate_exponent,
-            reference_rate=material.reference_rate,
-            bulk_viscosity=backing.viscosity * material.density * material.wave_speed,
-        )
+        viscosity = backing.viscosity * material.density * material.wave_speed
+        found["law"] = make_law(BlockLaw, material, bulk_viscosity=viscosity)
         found["metric"][:] = np.eye(3)
         found["substeps"][...] = 1
         self._set_boundaries(bricks, found)

@@ -11,6 +11,7 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from fabrics.metals import Metal
 from shellfabric.jit.table import Row
+from shellfabric.law_rows import make_law
 from shellfabric.membrane import quality
 from shellfabric.metal import element_kernels, motion_kernels
 from shellfabric.metal.state import BodyRow, MetalLaw
@@ -26,16 +27,9 @@ HOURGLASS_DAMPING = 0.05  # share of critical damping
 
 def law_of(metal: Metal, density_factor: float = 1.0) -> MetalLaw:
     """Return the constants of a metal as kernels take them."""
-    return MetalLaw(
-        bulk_modulus=metal.bulk,
-        shear_modulus=metal.shear,
-        yield_stress=metal.yield_stress,
-        hardening=metal.hardening,
-        hardening_exponent=metal.hardening_exponent,
-        rate_coefficient=metal.rate_coefficient,
-        reference_rate=metal.reference_rate,
-        melting_work=metal.melting_work,
-        softening_exponent=metal.softening_exponent,
+    return make_law(
+        MetalLaw,
+        metal,
         density=density_factor * metal.density,
         wave_speed=metal.wave_speed / density_factor**0.5,
     )
