@@ -282,6 +282,12 @@ class ImpactRecord(ImpactData):
                 found.append((TurnedBody(self.metal, cut.body, cut.plastic, place), cut.time))
         return found
 
+    @property
+    def seen_from_front(self) -> bool:
+        """Whether pictures show the side that is struck, where the projectile is; a panel that it
+        has left, or before a block, is seen from behind."""
+        return self.outcome != "perforated" and self.backing is None
+
     def face_at(self, t: float) -> FloatArray:
         """Return the face (nx, ny, 3) [m] of the block at the cut nearest to time t [s], as far as
         it is modelled; empty without a block."""

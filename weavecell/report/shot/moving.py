@@ -120,10 +120,9 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     of_tension = {"value": top, "text": f"{100 * top:.0f} % of the strength"}
     ends = dict.fromkeys(("tension", "warp", "weft"), of_tension)
     ends["deflection"] = {"value": deepest, "text": text(deepest, "m", form=".1f")}
-    # the viewer stands where the projectile comes from
-    elevation = -0.6
-    if record.outcome == "perforated":
-        elevation = 0.6
+    elevation = 0.6
+    if record.seen_from_front:
+        elevation = -0.6
     palette = np.round(255 * tension_map()(np.linspace(0, 1, 256))[:, :3]).astype(int)
     head = {
         "nodes": first.n_points,

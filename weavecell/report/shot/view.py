@@ -84,7 +84,7 @@ class Panel:
 
     def image(self, grid: Any, t: float) -> np.ndarray:
         """Draw the whole panel or pack and its projectile in a snapshot, from the side where this
-        is: (rows, columns, 3)."""
+        is, before a block from behind: (rows, columns, 3)."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
         return pictures3d.panel(
             grid,
@@ -93,7 +93,7 @@ class Panel:
             self.mirrors,
             half_height=0.37 * width,
             centre=(0.0, 0.0, 0.02 * width),
-            front=self.record.outcome != "perforated",
+            front=self.record.seen_from_front,
             face=self.face(t),
         )
 
@@ -242,7 +242,10 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
         return ()
     caption = "The panel at the end of the run, to scale, from the side where the projectile is."
     if record.backing is not None:
-        caption += " Brown: half of the face of the block behind it."
+        caption = (
+            "The panel at the end of the run, to scale, from behind. Brown: half of the face of the "
+            "block, so that the fabric is seen before the other half."
+        )
     return (pictures.draw_figure("panel", caption, end, record, kind="png"),)
 
 
