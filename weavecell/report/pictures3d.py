@@ -45,7 +45,7 @@ def panel(
     body : (a, b, 3) [m] surface of the projectile
     half_height, centre : [m] of what is seen
     front : whether the panel is seen from the side that is struck
-    face : (a, b, 3) [m] of `open_face`, of a block behind the panel
+    face : (a, b, 3) [m] of `open_faces`, of a block behind the panel
     """
     import pyvista
 
@@ -105,29 +105,32 @@ def colour_grid(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any
     return whole
 
 
-def open_face(face: FloatArray, mirrors: Sequence[bool], reach: float) -> FloatArray:
+def open_faces(
+    faces: Sequence[FloatArray], mirrors: Sequence[bool], reach: float
+) -> list[FloatArray]:
     """Return what is drawn of the face of a block: the half of it at y > 0, so that the fabric
     before the other half is seen from behind too, and no further than the fabric.
 
     Parameters
     ----------
-    face : (nx, ny, 3) [m] nodes of what is modelled, from the first along x and y to the last
+    faces : (nx, ny, 3) [m] nodes of what is modelled, from the first along x and y to the last, at
+        several instants; the first of these says which are drawn
     mirrors : whether it is to be mirrored in the planes x = 0 and y = 0
     reach : [m] from the impact point
 
     Returns
     -------
-    face : (a, b, 3) [m]; empty of an empty one
+    faces : (a, b, 3) [m]; empty of empty ones
     """
-    if not face.size:
-        return face
+    if not faces[0].size:
+        return list(faces)
     if mirrors[0]:
-        face = np.concatenate([face[:0:-1] * [-1, 1, 1], face])
-    # grid lines as they are at the edge of the block, where they have not moved
-    along, across = face[:, -1, 0], face[-1, :, 1]
+        faces = [np.concatenate([face[:0:-1] * [-1, 1, 1], face]) for face in faces]
+    # grid lines at the edge of the block, where they have hardly moved
+    along, across = faces[0][:, -1, 0], faces[0][-1, :, 1]
     inside = np.abs(along) <= max(reach, np.abs(along).min())
     beyond = (across >= -1e-9) & (across <= max(reach, np.abs(across).min()))
-    return face[inside][:, beyond]
+    return [face[inside][:, beyond] for face in faces]
 
 
 def width(nodes: FloatArray, mirrored: bool) -> float:

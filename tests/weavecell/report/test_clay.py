@@ -92,6 +92,7 @@ def test_the_view_in_motion_has_the_face_of_each_instant(struck, record):
     head = json.loads(moving.moving(record, moving.collect_instants(record, shapes)))
     packed = zlib.decompress(base64.b64decode(head["data"]))
     count = head["instants"] * head["faceRows"] * head["faceColumns"] * 3
+    assert head["rings"] == 0  # a rigid nose, of which the triangles stand before the faces
     start = 12 * head["bodyVertices"]
     faces = np.frombuffer(packed[start : start + 4 * count], "<f4").reshape(
         head["instants"], head["faceRows"], head["faceColumns"], 3
@@ -101,7 +102,7 @@ def test_the_view_in_motion_has_the_face_of_each_instant(struck, record):
 
 
 def test_paraview_has_the_face_beside_the_panel(record, tmp_path):
-    vtk.write_surfaces(tmp_path, "block", record.faces())
+    vtk.write_faces(tmp_path, record.faces())
     series = vtk.read_series(tmp_path / "block.pvd")
     assert [time for _, time in series] == pytest.approx([cut.time for cut in record.cuts])
     points = pyvista.read(series[-1][0]).points
@@ -110,7 +111,7 @@ def test_paraview_has_the_face_beside_the_panel(record, tmp_path):
 
 def test_without_a_block_nothing_is_drawn(tmp_path):
     face = np.empty((0, 0, 3))
-    assert pictures3d.open_face(face, (True, True), 0.1).size == 0
+    assert pictures3d.open_faces([face], (True, True), 0.1)[0].size == 0
     assert Cut(0.0, 0.0, ()).face_line.size == 0
-    vtk.write_surfaces(tmp_path, "block", [])
+    vtk.write_faces(tmp_path, [])
     assert not list(tmp_path.iterdir())

@@ -99,8 +99,7 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     body = _bodies(record, [t for _, t in chosen])
     mirrors = (bool(record.mirror_x), bool(record.mirror_y))
     width = pictures3d.width(places[0], record.mirror_x)
-    faces = [record.face_at(t) for _, t in chosen]
-    faces = [pictures3d.open_face(face, mirrors, 0.55 * width) for face in faces]
+    faces = pictures3d.open_faces([record.face_at(t) for _, t in chosen], mirrors, 0.55 * width)
     rows, columns = faces[0].shape[:2]
     parts = (
         body.astype("<f4"),

@@ -98,9 +98,10 @@ class Panel:
         )
 
     def face(self, t: float) -> FloatArray:
-        """Return what is drawn of the face of a block at time t [s] (`pictures3d.open_face`)."""
+        """Return what is drawn of the face of a block at time t [s] (`pictures3d.open_faces`)."""
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
-        return pictures3d.open_face(self.record.face_at(t), self.mirrors, 0.55 * width)
+        faces = [self.record.face_at(0.0), self.record.face_at(t)]
+        return pictures3d.open_faces(faces, self.mirrors, 0.55 * width)[-1]
 
     def headline(self) -> str:
         """Write title and outcome in one line."""
