@@ -16,7 +16,7 @@ from fabrics import catalogue
 from shellfabric.membrane.quality import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
-from weavecell.report.page import Embedded
+from weavecell.report.page import Embedded, Report, Section, Table
 from weavecell.report.pictures_figure import plots
 from weavecell.report.shot import chapters_shot, moving, pictures_shot, view
 from weavecell.results import provenance, vtk
@@ -229,3 +229,14 @@ def test_a_designer_finds_ten_results_and_the_others_by_a_click(page):
     assert dict(rows)["strike velocity [m/s]"] in numbers.values()
     assert dict(rows)["outcome"] == numbers["outcome"]
     assert len(numbers) > 2 * len(rows)
+
+
+def test_on_a_phone_shots_are_a_table_and_texts_are_lists():
+    """Five shots with their numbers stay rows; as many sources, and two shots, are lists of their own cells."""
+    numbers = ("strike velocity [m/s]", "residual velocity [m/s]", "end time [µs]")
+    shots = Table((*numbers, "outcome"), 5 * (("100", "0", "9", "stopped"),), numeric=numbers)
+    texts = Table(("key", "value", "source"), 5 * (("a", "1", "thesis"),))
+    few = replace(shots, rows=shots.rows[:2])
+    section = Section("s", "S", tables=(shots, texts, few))
+    page = Embedded(Report("t", "", (), (section,))).html
+    assert re.findall(r'<table class="(\w+)', page) == ["many", "stacked", "stacked"]
