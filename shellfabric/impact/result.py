@@ -9,6 +9,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from shellfabric.block.coupling import BackingResult, result_of
+from shellfabric.impact.proposals import with_remedies
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop import histories
 from shellfabric.loop import snapshots as output_snapshots
@@ -206,7 +207,7 @@ def collect_result(
         wall_time=solver.wall_time,
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
         max_deflection=float(deflection.max()),
-        checks=quality.of_solver(solver),
+        checks=with_remedies(quality.of_solver(solver), setup),
         failures=np.array(
             [(state.failed_segments, state.loads_at_failure) for state in solver.states]
         ),

@@ -41,6 +41,7 @@ class Indicator:
     unit : of both; "" where it is a ratio
     meaning : what the value is, in one sentence
     note : value above which the indicator is noted though it is within its limit, or None
+    remedy : what to do beyond the limit; of a shot only what its set-up takes (`impact.proposals`)
     """
 
     name: str
@@ -49,6 +50,7 @@ class Indicator:
     unit: str = ""
     meaning: str = ""
     note: float | None = None
+    remedy: str = ""
 
     @property
     def ok(self) -> bool:
@@ -103,8 +105,8 @@ class Indicator:
         bounds = f"limit {self.limit:g}{unit}"
         if self.status == NOTED:
             bounds = f"noted above {self.note:g}{unit}, {bounds}"
-        if self.doubtful and self.name in REMEDIES:
-            bounds = f"{bounds}; {REMEDIES[self.name]}"
+        if self.doubtful and self.remedy:
+            bounds = f"{bounds}; {self.remedy}"
         return f"{self.name} {self.number}{unit} ({bounds})"
 
     def entry(self) -> dict[str, Any]:
@@ -231,7 +233,7 @@ LIMITS = {
     "friction to hold yarns": (
         unzipping.FRICTION,
         "highest friction between yarns that it may take to stop this projectile; with too little it pushes "
-        'them aside and passes, which crossovers = "yarns" computes',
+        "them aside and passes",
     ),
     "motion at held faces": (
         0.06,
@@ -300,10 +302,10 @@ NOTES = {
 
 REMEDIES = {
     "misfit of the law": "see whether the yarns are at closest packing (mesh), or take a response surface",
-    "contact force over fitted range": 'compare with a run with cell_model = "incompressible", which the law tends to',
+    "contact force over fitted range": "compare with a run with {incompressible cell}, which the law tends to",
     "motion at held faces": "widen and deepen backing.size",
-    "face under held fabric": 'widen backing.size, or take boundary = "free"',
-    "face across symmetry": 'compare with symmetry = "whole"',
+    "face under held fabric": "widen backing.size, or take {free edges}",
+    "face across symmetry": "compare with {whole panel}",
     "spike of the dent": "smaller backing.min_size",
     "brick on the dent's floor": "smaller backing.min_size",
     "hourglass energy of the block": "smaller backing.min_size",
@@ -314,15 +316,20 @@ REMEDIES = {
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
     "cut outside the zone": "resolve the whole panel: panel.zone of half the opening",
     "yarns that changed sides": "a smaller numerics.cfl",
-    "friction to hold yarns": 'compare with crossovers = "yarns"',
-    "unzipping": 'compare with crossovers = "yarns"',
-}  # name: what to do beyond the limit
+    "friction to hold yarns": "compare with {resolved yarns}",
+    "unzipping": "compare with {resolved yarns}",
+}  # name: what to do beyond the limit, with proposals of `impact.proposals` in braces
 
 
 def indicator(name: str, value: float) -> Indicator:
     """Return the Indicator of LIMITS with a value."""
     limit, meaning = LIMITS[name]
-    return Indicator(name, float(value), limit, meaning=meaning, note=NOTES.get(name))
+    remedy = REMEDIES.get(name, "")
+    if "{" in remedy:
+        remedy = ""  # a set-up has to take it first
+    return Indicator(
+        name, float(value), limit, meaning=meaning, note=NOTES.get(name), remedy=remedy
+    )
 
 
 def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[Indicator]:

@@ -48,13 +48,16 @@ def find_left_out(
     mesh_compared : whether the result has a discretisation uncertainty
     drawn : whether yarns of drawn strengths were shot at
     """
+    from shellfabric.impact.proposals import fill
     from weavecell.studies import assumed_range
 
     found = []
     if setup.crossovers is None:
         nose = "no slip, pull-out or opening of the weave"
         nose += "; a nose may push slippery yarns aside and pass far below a limit"
-        text = f'yarns are pinned where they cross: {nose} (crossovers = "yarns")'
+        text = f"yarns are pinned where they cross: {nose}"
+        if words := fill("{resolved yarns}", setup):
+            text += f" ({words})"
         found.append(LeftOut(MODEL, "yarns pinned", text))
     names = ", ".join(assumed_range.changes(setup))
     friction = name_friction(setup, around)

@@ -3,7 +3,7 @@ tail, or the metal of its nose flows."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log1p, pi
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ import numpy as np
 from fabrics import metals
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from shellfabric.impact.proposals import fill
 from shellfabric.projectile.projectile import TURNED
 
 if TYPE_CHECKING:
@@ -136,12 +137,14 @@ class SoftNose:
     pressure, flow_stress : [Pa] mean over its cross section, and of its metal at the rate of the shot
     metal : name of `fabrics.metals`
     sure : whether mass and drawing say that it is this metal
+    advice : what to use in its place; "" if the set-up takes none
     """
 
     pressure: float
     flow_stress: float
     metal: str
     sure: bool
+    advice: str = ""
 
     def __str__(self):
         pressures = (
@@ -149,7 +152,8 @@ class SoftNose:
             f"{1e-6 * self.flow_stress:.0f} MPa"
         )
         condition = "" if self.sure else f" if it is a bullet of {self.metal}"
-        return f'{pressures}: a rigid nose is not enough{condition}; use body = "metal"'
+        advice = f"; {self.advice}" if self.advice else ""
+        return f"{pressures}: a rigid nose is not enough{condition}{advice}"
 
 
 def mean_density(shot: Projectile) -> float | None:
@@ -240,4 +244,7 @@ def check_shot(result: ImpactResult) -> Rigidity | SoftNose | None:
             return None  # the fabric was never touched
     if result.outcome != "stopped":
         return None
-    return find_soft_nose(shot, result.setup.strike_velocity, t, force)
+    found = find_soft_nose(shot, result.setup.strike_velocity, t, force)
+    if found is None:
+        return None
+    return replace(found, advice=fill("use {body of metal}", result.setup))

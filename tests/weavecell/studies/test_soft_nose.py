@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics import metals
+from fabrics import catalogue, metals
+from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from weavecell.studies.rigidity import SoftNose, check_shot, metal_of
 
@@ -24,7 +25,8 @@ class Shot:
 
     @property
     def setup(self):
-        return SimpleNamespace(projectile=self.projectile, strike_velocity=270.0)
+        coarse = {"opening": 0.0508, "elements_per_crossover": 1, "symmetry": "half"}
+        return ImpactSetup(catalogue.load("S-720"), 270.0, projectile=self.projectile, **coarse)
 
     @property
     def step_history(self):
@@ -69,6 +71,11 @@ def test_a_stopped_bullet_is_not_rigid(shape):
     assert f"lead flows at {1e-6 * LEAD_FLOWS:.0f} MPa" in said
     assert check_shot(Shot(soft, 0.9 * LEAD_FLOWS)) is None
     assert check_shot(Shot(soft, 10 * LEAD_FLOWS, outcome="perforated")) is None
+
+
+def test_an_oblique_bullet_is_not_told_to_be_of_metal_which_is_refused():
+    said = str(check_shot(Shot(nose(10300.0, obliquity=0.3, **OGIVE), 1.1 * LEAD_FLOWS)))
+    assert said.endswith("a rigid nose is not enough")
 
 
 def test_a_round_nose_without_a_length_may_be_a_bullet():
