@@ -97,7 +97,10 @@ GROUPS = {
         "reduce compression one.csv --platen-area 361mm^2 --cell-of S-728 --out compression",
         "reduce shot flight.csv --mass 3g --bandwidth 20kHz --out flight",
     ),
-    "meshes": ("mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",),
+    "meshes": (
+        "mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",
+        "patch ply.toml --duration 1us --out patch",
+    ),
     "views": (
         "impact ply.toml --out ply",
         "view ply --screenshot ply.png",

@@ -20,6 +20,7 @@ from weavecell.api import (
     limits,
     lists,
     meshes,
+    patches,
     reduction,
     result,
     run_size,
@@ -41,6 +42,7 @@ from weavecell.api.laboratory_tests import *
 from weavecell.api.limits import *
 from weavecell.api.lists import *
 from weavecell.api.meshes import *
+from weavecell.api.patches import *
 from weavecell.api.reduction import *
 from weavecell.api.result import *
 from weavecell.api.run_size import *
@@ -70,6 +72,7 @@ __all__ += exports.__all__
 __all__ += limits.__all__
 __all__ += lists.__all__
 __all__ += meshes.__all__
+__all__ += patches.__all__
 __all__ += reduction.__all__
 __all__ += result.__all__
 __all__ += run_size.__all__

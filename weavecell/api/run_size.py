@@ -29,13 +29,17 @@ from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
+    from weavecell.studies.small_patch import SmallPatch
 
-__all__ = ["RunSize", "size_of"]
+__all__ = ["RunSize", "SizeOfPatch", "size_of"]
 
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 OF_A_BRICK = 850e-9, 1000e-9
 OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
+OF_A_SOLID = 1.0e-6, 1.3e-6  # hexahedron of woven solid yarns, with its bars and contacts
+# steps over those by which a fibre wave goes through a hexahedron: pressed ones are stiffer
+SOLID_STEPS = 2.0, 3.2
 # estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
 DURATION = 0.2, 1.0
 SHOTS_OF_A_SEARCH = 9
@@ -295,3 +299,54 @@ class StudySize(_Size):
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
         return "\n".join(lines)
+
+
+@dataclass(frozen=True, repr=False)
+class SizeOfPatch(_Size):
+    """What a patch of woven solid yarns would take, beside which the other two models cost nothing.
+
+    Parameters
+    ----------
+    title : of the shot
+    crossings : of each family
+    bricks : hexahedra
+    cpu_time : (lowest, highest) [s]
+
+    Examples
+    --------
+    >>> size = wc.patch("S-720", "60 m/s", check=True)
+    >>> size.crossings, size.bricks
+    (14, 6272)
+    """
+
+    title: str
+    crossings: int
+    bricks: int
+    cpu_time: tuple[float, float]
+
+    @classmethod
+    def estimate(cls, patch: SmallPatch, title: str) -> SizeOfPatch:
+        """Estimate what the solid yarns of a patch take."""
+        weave = patch.fabric.weave
+        along = min(weave.w) / patch.size[0]
+        crossed = along / max(yarn.wave_speed for yarn in weave.yarns)
+        low, high = (
+            patch.bricks * patch.duration / crossed * cost * steps
+            for cost, steps in zip(OF_A_SOLID, SOLID_STEPS)
+        )
+        return cls(title, patch.crossings, patch.bricks, (low, high))
+
+    def summary(self) -> dict[str, Any]:
+        """Return all of it, names with units."""
+        return {
+            "crossings": self.crossings,
+            "bricks": self.bricks,
+            **self._summarise_cpu_time(),
+        }
+
+    def __str__(self) -> str:
+        count = self.crossings
+        return (
+            f"{self.title}: nothing is run\n{count} x {count} crossovers of {self.bricks:,} hexahedra; "
+            f"{self.cost}"
+        )

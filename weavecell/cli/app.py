@@ -46,6 +46,7 @@ COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
         "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",
     ),
     "reduce shot": (api.reduce_shot, "flight.csv --mass '3 g' --bandwidth '20 kHz'"),
+    "patch": (api.patch, "examples/S-720-stops.toml --struck crossover"),
     "critical-velocity": (api.critical_velocity, "S-720 --tolerance '1 m/s'"),
     "crossover yarn": (crossover.yarn, "S-720 --yarn weft"),
     "crossover platens": (crossover.platens, "S-720 --pressure '20 MPa'"),

@@ -1,5 +1,5 @@
-"""Pictures of reduced records: compression of plies between platens, and the motion of a
-projectile."""
+"""Pictures of reduced records: compression of plies between platens, the motion of a projectile,
+and that of one nose in several models."""
 
 from __future__ import annotations
 
@@ -76,4 +76,24 @@ def draw_motion(pyplot: Any, motion: Motion, title: str, computed: Any = None) -
     force.set(xlabel="time [µs]")
     velocity.legend()
     force.legend()
+    return figure
+
+
+def draw_noses(pyplot: Any, curves: Sequence[Any], until: float, title: str) -> Any:
+    """Draw the velocity of a nose in several models, in time and over its way.
+
+    Parameters
+    ----------
+    curves : (name, t, z, v) of each, t (n,) [s], z [m], v [m/s]
+    until : [s] to which the models are compared
+    """
+    figure, (in_time, over_way) = pyplot.subplots(1, 2, figsize=(WIDTH, 4.6), sharey=True)
+    for (name, t, z, v), colour in zip(curves, COLOURS):
+        in_time.plot(1e6 * t, v, color=colour, label=name)
+        over_way.plot(1e3 * z, v, color=colour)
+    in_time.axvline(1e6 * until, color=FAINT, lw=1.0, ls=":")
+    in_time.set(xlabel="time since the first touch [µs]", ylabel="velocity [m/s]")
+    over_way.set(xlabel="way since the first touch [mm]")
+    in_time.legend()
+    figure.suptitle(title)
     return figure

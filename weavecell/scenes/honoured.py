@@ -49,6 +49,12 @@ SWEEP: Keys = SHOTS | {
     "title": None,
     "history": "left out: a sweep records nothing along yarns; `weavecell impact` does",
 }
+# a patch has edges, mesh and length of its own
+PATCH: Keys = UNWRITTEN | silent(
+    "",
+    "title history accuracy run.end_time panel.preset panel.opening panel.opening_shape panel.impact_point "
+    "panel.aim_seed panel.zone panel.boundary panel.symmetry panel.weave_angle panel.bending",
+)
 COUPON: Keys = {"fabric.surface": "left out: the cell of a coupon is made from laws"}
 
 

@@ -1,0 +1,113 @@
+"""One small patch in three models: each is struck where it is aimed at, and what is said of them."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+pytest.importorskip("gmsh")
+
+from fabrics import catalogue
+from fabrics.base.errors import InputError
+from meshing import patch
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.projectile.projectile import Projectile
+from shellfabric.yarns.model import YarnZone
+from weavecell.studies import small_patch
+from weavecell.studies.small_patch import SmallPatch, Struck
+
+
+def shot_of(radius):
+    """A shot at S-720 by a steel sphere of a radius [m]."""
+    sphere = Projectile(mass=0.11e-3 * (radius / 1.5e-3) ** 3, radius=radius, shape="sphere")
+    return ImpactSetup(catalogue.load("S-720"), 60.0, projectile=sphere)
+
+
+SHOT = shot_of(1.5e-3)
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return patch.build(SHOT.fabric, (12, 12), size=small_patch.COARSE)
+
+
+@pytest.mark.parametrize("model", small_patch.MODELS)
+def test_every_model_is_struck_where_it_is_aimed_at(model, mesh):
+    """Its nose is slowed by another amount in a gap than on a crossover; pinned crossovers are a continuum,
+    in which only the edges tell the two apart."""
+    duration = {"pinned": 12e-6, "yarns": 1.5e-6, "solids": 1.5e-6}[model]
+    found = []
+    for place in small_patch.PLACES:
+        one = SmallPatch(SHOT, 12, place, duration=duration)
+        if model == "solids":
+            found.append(one.strike_solids(mesh))
+        else:
+            found.append(getattr(one, f"strike_{model}")())
+    gap, crossover = found
+    lost = [60.0 - one.velocity(duration) for one in found]
+    assert min(lost) > 0.01
+    assert abs(lost[0] - lost[1]) > 1e-4 * max(lost)
+    for one in (gap, crossover):
+        assert one.model == model
+        assert one.z[-1] == pytest.approx(60.0 * duration, rel=0.1)
+        assert 0.0 <= one.energy_error < 1e-3
+        assert one.cpu > 0
+
+
+@pytest.mark.parametrize("radius", [0.6e-3, 1.5e-3, 2.78e-3, 4.4e-3])
+def test_the_fewest_crossings_are_what_resolved_yarns_take(radius):
+    shot = shot_of(radius)
+    least = small_patch.fewest_crossings(shot)
+    spacing = 2 * shot.fabric.weave.w[0]
+
+    def make(crossings):
+        opening = crossings * spacing
+        aim = (0.5 * spacing, 0.5 * spacing)
+        zone = YarnZone(half_width=inf)
+        whole = replace(shot, opening=opening, impact_point=aim, symmetry="whole", crossovers=zone)
+        return whole.panel(whole.plain_table())
+
+    assert make(least).patch.crossings == (least - 1, least - 1)
+    with pytest.raises(InputError):
+        make(least - 2)
+
+
+def test_the_widest_nose_is_that_of_the_largest_patch():
+    most = small_patch.max_radius(SHOT)
+    widest = shot_of(0.999 * most)
+    assert small_patch.fewest_crossings(widest) == small_patch.MOST
+    with pytest.raises(InputError, match="diameter"):
+        SmallPatch(shot_of(1.001 * most), small_patch.MOST)
+
+
+def slowed(model, by, end=50e-6, first_failure=inf):
+    """A nose that is slowed evenly by so many m/s in 50 us."""
+    t = np.linspace(0.0, end, 40)
+    return Struck(model, t, 60.0 - by * t / 50e-6, 60.0 * t, first_failure, 1e-4, 100, 1.0)
+
+
+@pytest.mark.parametrize(
+    "pinned, yarns, words",
+    [
+        (22.9, 30.0, "crossovers may be pinned for this nose"),
+        (30.0, 22.9, 'crossovers may not be pinned for this nose, take crossovers = "yarns"'),
+        (30.0, 16.0, "neither pinned nor resolved yarns are as solid ones for this nose"),
+    ],
+)
+def test_the_answer_is_by_solid_yarns(pinned, yarns, words):
+    struck = [slowed("pinned", pinned), slowed("yarns", yarns), slowed("solids", 20.0)]
+    assert small_patch.judge(struck, 60.0).startswith(words + ":")
+
+
+def test_models_are_compared_until_the_first_failure_or_end():
+    """30 and 20 m/s apart from 20: in 14 us they are 2.8 m/s or 4.7 % of the strike velocity apart."""
+    struck = [slowed("pinned", 30.0, first_failure=14e-6), slowed("yarns", 21.0, end=20e-6)]
+    struck.append(slowed("solids", 20.0, first_failure=30e-6))
+    assert small_patch.compare_until(struck) == 14e-6
+    assert small_patch.judge(struck, 60.0).startswith("crossovers may be pinned")
+    assert "over 14 us" in small_patch.judge(struck, 60.0)
+    assert small_patch.compare_until(struck[1:]) == 20e-6
+    assert small_patch.largest_difference(struck[0], struck[2], 14e-6, 60.0) == pytest.approx(
+        10.0 * 14 / 50 / 60
+    )
