@@ -539,6 +539,20 @@ class ShotResult(ImpactRecord, Result):
 
         return figure(view.end, self)
 
+    def plot_mushroom(self) -> Figure:
+        """Draw a matplotlib figure: a projectile of metal at rest and at the end, cut along its axis
+        and coloured by plastic strain, beside the velocities of tip, tail and centre of mass.
+
+        Raises
+        ------
+        InputError : the projectile is no body of metal
+        """
+        from weavecell.report import pictures_body
+
+        if self.metal is None:
+            raise InputError('has no mushroom: the projectile is not of the body "metal"')
+        return figure(pictures_body.mushroom, self.metal)
+
     def view(self) -> Embedded:
         """Show the whole panel or pack and the projectile in motion, as a notebook does: instant,
         colours and the side that is seen are chosen there."""

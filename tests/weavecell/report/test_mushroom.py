@@ -11,9 +11,11 @@ import pyvista
 
 import weavecell as wc
 from fabrics import catalogue
+from fabrics.base.errors import InputError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
+from weavecell.api.shots import ShotResult
 from weavecell.report.shot import moving
 from weavecell.report.shot.chapters_shot import cut_view
 from weavecell.results import vtk
@@ -64,6 +66,8 @@ def test_a_rigid_nose_is_drawn_as_at_rest():
     record = ImpactRecord.from_result(shoot(), "a nose", "a law")
     assert all(cut.body.size == cut.plastic.size == 0 for cut in record.cuts)
     assert record.bodies() == []
+    with pytest.raises(InputError, match="no mushroom"):
+        ShotResult.plot_mushroom(record)
     last = cut_view(record, record.cuts[-1], "").projectile
     assert np.ptp(last[:, 1]) == pytest.approx(12e-3, rel=1e-3)
     assert record.surface(8e-6) is record.projectile
