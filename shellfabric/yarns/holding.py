@@ -2,10 +2,11 @@
 pinned ones do.
 
 A yarn of tension T, whose kink has the angle a, is pushed aside with a force in proportion to
-T sin(a). Friction mu at its crossings holds it with one in proportion to mu T. The ratio mu / sin(a)^2
-decides. For a yarn that is struck across, sin(a)^2 is 2^(2/3) (V / c)^(2/3), of the velocity V and the
-wave speed c (Smith, McCrackin and Schiefer 1958). The friction is thus k (V / c)^(2/3). The factor k
-is no single number: it differs between fabrics by more than it is known for one (holding.toml).
+T sin(a). Friction mu at its crossings holds it with one in proportion to mu T. The ratio
+mu / sin(a)^2 decides. For a yarn that is struck across, sin(a)^2 is 2^(2/3) (V / c)^(2/3), of the
+velocity V and the wave speed c (Smith, McCrackin and Schiefer 1958). The friction is thus
+k (V / c)^(2/3). The factor k is no single number: it differs between fabrics by more than it is
+known for one (holding.toml).
 """
 
 from __future__ import annotations
@@ -38,8 +39,8 @@ def find_factors(family: str | None) -> tuple[float, float]:
 def friction_to_hold(panel: Panel, velocity: float) -> tuple[float, float] | None:
     """Return the range (low, high) [-] of the friction between yarns with which a ply stops a nose.
 
-    With less than `low` the nose pushed yarns aside and passed in all bisections of its family, with
-    more than `high` it was stopped in all.
+    With less than `low` the nose pushed yarns aside and passed in all bisections of its family,
+    with more than `high` it was stopped in all.
 
     Parameters
     ----------
@@ -59,8 +60,8 @@ def friction_to_hold(panel: Panel, velocity: float) -> tuple[float, float] | Non
 
 
 def friction_of_plies(panels: Sequence[Panel], velocity: float) -> tuple[float, float] | None:
-    """Return the range (low, high) [-] of the friction between yarns with which plies stop a nose, by
-    the ply that asks for most (`friction_to_hold`); of several plies rather too much.
+    """Return the range (low, high) [-] of the friction between yarns with which plies stop a nose,
+    by the ply that asks for most (`friction_to_hold`); of several plies rather too much.
 
     Parameters
     ----------

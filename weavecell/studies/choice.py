@@ -80,16 +80,21 @@ def choose(
     panels = [one.panel(one.plain_table()) for one in with_pinned(setup).kinds]
     needed = friction_of_plies(panels, velocity)
     if needed is None:
-        return Choice(False, "the checks ask for no more")
+        # a nose wider than those of the bisections, or a block behind the fabric
+        return Choice(
+            False,
+            "none unzip; with this nose and backing the friction that holds them is not known",
+        )
     low, high = needed
     theirs = f"{zone.friction:g}{_assumed_span(zone)}"
-    holding = f"at {velocity:.4g} m/s{at} a friction of {low:.2g} to {high:.2g}, by the fabric, holds them"
-    return Choice(high > zone.friction, f"{holding}, and theirs is {theirs}")
+    needs = f"a friction of {low:.2g} to {high:.2g}, by the fabric, holds them"
+    why = f"at {velocity:.4g} m/s{at} {needs}, and theirs is {theirs}"
+    return Choice(high > zone.friction, why)
 
 
 def choose_by_limit(setup: ImpactSetup, found: Limit) -> Choice:
-    """Choose between pinned and resolved yarns by a limit with pinned ones: by the checks of the shots
-    at the ends of its bracket.
+    """Choose between pinned and resolved yarns by a limit with pinned ones, from the checks of the
+    shots at the ends of its bracket.
 
     Parameters
     ----------

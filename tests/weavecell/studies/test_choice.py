@@ -90,7 +90,13 @@ def test_yarns_that_unzip_are_resolved():
     unzip = replace(quality.indicator("unzipping", 3.0))
     found = choice.choose(setup, 100.0, [unzip])
     assert str(found).startswith("yarns resolved: pinned ones unzip, 3.00")
-    assert not choice.choose(setup, 100.0, [quality.indicator("unzipping", 1.2)]).resolved
+    enough = choice.choose(setup, 100.0, [quality.indicator("unzipping", 1.2)])
+    assert not enough.resolved
+    # a nose wider than those of the bisections
+    wide = replace(setup, projectile=replace(setup.projectile, radius=12e-3))
+    assert str(choice.choose(wide, 100.0, [])) == (
+        "yarns pinned: none unzip; with this nose and backing the friction that holds them is not known"
+    )
     resolved = choice.with_resolved(setup)
     assert (resolved.symmetry, resolved.crossovers) == ("whole", setup.instead)
     assert resolved.impact_point != (0.0, 0.0)
