@@ -21,7 +21,9 @@ panel = {
 density, middle, half = [], [], []
 for plies in (1, 2, 4):
     pack = wc.setup("S-728", "150 m/s", plies=plies, **panel)
-    found = wc.critical_velocity(pack, tolerance="15 m/s", scan=False, residual_shots=0)
+    found = wc.critical_velocity(
+        pack, tolerance="15 m/s", scan=False, residual_shots=0, v50_shots=0
+    )
     low, high = found.bracket
     density.append(1e3 * plies * pack.fabric.weave.areal_density)  # [g/m^2]
     middle.append((low + high) / 2)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from fabrics.base.errors import InputError
 from validation.values import Values
 
-MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "patches", "peers", "solid"
+MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "patches", "peers", "series", "solid"
 
 
 def function(name: str) -> Callable[..., Values]:
@@ -45,6 +45,8 @@ def _module(name):
             from validation.cases import patches as module
         case "peers":
             from validation.cases import peers as module
+        case "series":
+            from validation.cases import series as module
         case "solid":
             from validation.cases import solid as module
         case _:

@@ -33,7 +33,7 @@ from validation.models.taylor_bar import Taylor, strike_wall
 from validation.values import Values, largest
 from weavecell.api import target
 from weavecell.scenes import honoured
-from weavecell.studies import ballistic_limit
+from weavecell.studies import ballistic_limit, pack_limit
 
 HERE = Path(__file__).parent
 V50_INTERVAL = 2 * 1.96  # standard errors that the interval of a V50 is wide
@@ -193,14 +193,16 @@ def compute(case: Case) -> tuple[Any, float, float]:
 
 
 def _limit(case, **more):
-    """[m/s] velocity between a stop and a perforation, looked for from the measured V50; half of what lies between."""
+    """[m/s] velocity between a stop and a perforation of a pack, looked for from the measured V50; its standard error,
+    of the bracket and of the scatter of single shots."""
     setup = case.setup(**more)
     width = float(case.options.get("tolerance", 0.03))
     guess = setup.strike_velocity
     found = ballistic_limit.critical_velocity(
         setup.target(), tolerance=width * guess, guess=guess, step=1 + width
     )
-    return found.velocity, found.half_width, max(shot.balance for shot in found.shots)
+    error = float(np.hypot(found.half_width, pack_limit.SCATTER * found.velocity))
+    return found.velocity, error, max(shot.balance for shot in found.shots)
 
 
 def _growth(case):

@@ -95,7 +95,7 @@ def compare(
         Fabric, or a set-up of `setup`
     other : B, an input file of a ply or pack, name of a fabric or its file; in Python also a
         Fabric, or a set-up of `setup`
-    quantity : v50, of panels that differ in strength; or critical-velocity, without scatter
+    quantity : v50, of panels that differ in strength; or critical-velocity, of yarns without scatter
     shots : of V50, number of shots at each, at least 4
     tolerance : of critical-velocity, largest difference between highest stop and lowest perforation
         [m/s]
@@ -221,12 +221,15 @@ def _fire_v50(panel, shots, seed, width, stride, report, run):
 
 
 def _search(panel, shots, seed, width, stride, report, run):
-    """The CriticalVelocityResult of a panel, scanned where outcomes mix."""
-    from weavecell.studies import limit
+    """The CriticalVelocityResult of a panel: of a pack with V50, of one ply scanned where outcomes
+    mix."""
+    from weavecell.studies import limit, pack_limit
     from weavecell.studies.limit_scan import ScanRange
 
-    scan = ScanRange()
-    study = limit.search(panel.setup, tolerance=width, scan=scan, only_mixed=True, **run.runs)
+    about: dict[str, Any] = {"scan": ScanRange(), "only_mixed": True}
+    if panel.setup.plies > 1:
+        about = {"scan": None, "v50_shots": pack_limit.SHOTS}
+    study = limit.search(panel.setup, tolerance=width, **about, **run.runs)
     report(1, 1)
     return CriticalVelocityResult(
         panel, study.limit, study.fit, scan=study.scan, wall_time=run.wall_time
@@ -312,9 +315,12 @@ class ComparisonResult(DrawnResult):
             return paired.compare_shots(_outcomes(self.a), _outcomes(self.b))
         assert isinstance(self.a, CriticalVelocityResult)
         assert isinstance(self.b, CriticalVelocityResult)
-        low, high = (_span(self.a)[end] - _span(self.b)[1 - end] for end in (0, 1))
         fewest = min(len(self.a.shots), len(self.b.shots))
-        return paired.Difference(self.values[0] - self.values[1], low, high, 0.0, fewest, 1.0)
+        if self.a.v50 is None and self.b.v50 is None:
+            low, high = (_span(self.a)[end] - _span(self.b)[1 - end] for end in (0, 1))
+            return paired.Difference(self.values[0] - self.values[1], low, high, 0.0, fewest, 1.0)
+        of_both = [(_value(one), *_span(one)) for one in (self.a, self.b)]
+        return paired.Difference(*paired.subtract(*of_both), 0.0, fewest)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -605,9 +611,11 @@ def _outcomes(result):
 
 
 def _value(result):
-    """[m/s] V50, or the middle of the bracket or of the zone of mixed outcomes."""
+    """[m/s] V50, also of a pack's limit, or the middle of the bracket or of the zone of mixed outcomes."""
     if isinstance(result, V50Result):
         return result.v50
+    if result.v50 is not None:
+        return result.v50.velocity
     low, high = _span(result)
     return 0.5 * (low + high)
 
@@ -616,6 +624,8 @@ def _span(result):
     """(low, high) [m/s] of V50 by the shots, or of the limit."""
     if isinstance(result, V50Result):
         return result.v50_low, result.v50_high
+    if result.v50 is not None:
+        return result.v50.low, result.v50.high
     if result.mixed_zone is not None:
         return result.mixed_zone
     return result.bracket

@@ -269,9 +269,10 @@ class TestsBesideShots(StudyResult):
         """Write the lines that are printed."""
         comparison = self.comparison
         limit = self.comparison.limit
-        bracket = f"{limit.velocity:.1f} m/s ({limit.low:.2f} to {limit.high:.2f})"
+        bracket = f"stops at {limit.low:.2f}, perforates at {limit.high:.2f} m/s"
+        found = f"{limit.velocity:.1f} m/s{self._format_difference()}"
         lines = [
-            f"{self.title}: computed critical velocity {bracket}{self._format_difference()}",
+            f"{self.title}: computed critical velocity {found}; {bracket}",
             *comparison.tests.lines(self.tests),
             f"computed, Lambert-Jonas: {comparison.computed.words()}",
         ]

@@ -17,6 +17,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from weavecell.studies.ballistic_limit import Limit, Shot
     from weavecell.studies.lambert_jonas import LambertJonas
     from weavecell.studies.limit_scan import ScanRange
+    from weavecell.studies.pack_limit import PackV50
 
 __all__ = ["CriticalVelocityResult", "critical_velocity"]
 
@@ -72,6 +74,7 @@ _CSV = {  # heading: column of `to_dataframe`, format
 
 # shots beside the bracket that look for mixed outcomes, at most
 LOOKS = 2
+SCATTERS = "the bracket is no error: shots of a pack scatter by some 2 %; --v50-shots 8 gives V50 with its interval"
 NAMES = (
     "critical-velocity.json",
     "shots.csv",
@@ -86,8 +89,9 @@ NAMES = (
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
-    tolerance: float | str = "1 m/s",
-    residual_shots: int = 2,
+    tolerance: float | str | None = None,
+    v50_shots: int | None = None,
+    residual_shots: int | None = None,
     scan: bool | None = None,
     scan_above: float | str = "25 %",
     scan_below: float | str = "10 %",
@@ -105,6 +109,10 @@ def critical_velocity(
     doubtful, and has the zone of mixed outcomes. A doubtful shot counts with its outcome, but a bracket or a mixed zone
     that ends with one is doubtful too (`bracket_checks`).
 
+    Torn plies scatter: two shots of one pack that differ by 1e-6 part, as two tests do. The limit of a
+    pack therefore is its V50 with a 95 % interval, from the residual velocities of eight shots 3 to
+    15 % above a bracket of 5 % (`weavecell.studies.pack_limit`). Its outcomes may mix.
+
     The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. A
     shot ends with its outcome, so these keys of an input file are ignored: title,
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
@@ -118,9 +126,12 @@ def critical_velocity(
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
-    tolerance : largest difference between highest stop and lowest perforation [m/s]
-    residual_shots : shots from 3 % above the limit to twice the limit, for the Lambert-Jonas fit; 8
-        make its intervals narrow
+    tolerance : largest difference between highest stop and lowest perforation [m/s]; if not given 1
+        m/s of one ply, about 5 % of a pack
+    v50_shots : shots 3 to 15 % above the bracket, of whose residual velocities V50 is made; if not
+        given 8 of a pack that is not scanned, 0 of one ply
+    residual_shots : shots from 3 % above the limit to twice the limit, for the Lambert-Jonas fit; if
+        not given 2, and 0 where there are `v50_shots`; 8 make its intervals narrow
     scan : scan the velocities about the bracket for mixed outcomes: always, or never; if not given
         where the shots of the search have some
     scan_above : range above the highest stop that is scanned for further stops
@@ -148,19 +159,24 @@ def critical_velocity(
     (70.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import choice, inputs
+    from weavecell.studies import choice, inputs, pack_limit
     from weavecell.studies import limit as limits
     from weavecell.studies.limit_scan import ScanRange
 
     began = time.perf_counter()
-    width = quantities.read_positive(tolerance, "m/s", "tolerance")
+    width = None
+    if tolerance is not None:
+        width = quantities.read_positive(tolerance, "m/s", "tolerance")
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
     numbers = {}
     for key, value in shares.items():
         numbers[key] = quantities.number(value, "", f"scan_{key}")
     with keywords.name_as_keyword("scan", shares):
         around: ScanRange | None = ScanRange(**numbers)
-    residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
+    if residual_shots is not None:
+        residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
+    if v50_shots is not None:
+        v50_shots = quantities.read_whole(v50_shots, "v50_shots", 0)
     # the range of a scan is checked even if none is wanted
     if scan is False:
         around = None
@@ -168,6 +184,16 @@ def critical_velocity(
     panel = resolve_target(target, keys, honoured.LIMITS, function="critical_velocity")
     over = ranges.with_ends(panel.setup, assumed_range)
     setup = panel.setup
+    pack = setup.plies > 1
+    if width is None and not pack:
+        width = 1.0
+    if v50_shots is None:
+        v50_shots = pack_limit.SHOTS if pack and scan is not True else 0
+    if residual_shots is None:
+        residual_shots = 0 if v50_shots else 2
+    # mixed outcomes are part of the scatter that the interval of V50 holds
+    if v50_shots and scan is None:
+        around = None
     if setup.instead is not None:
         with panel.name_problems():
             # what resolved yarns do not have is refused first
@@ -175,7 +201,7 @@ def critical_velocity(
         panel = replace(panel, setup=choice.with_pinned(setup))
         over = None
     if check:
-        fired = residual_shots
+        fired = residual_shots + v50_shots
         if around is not None:
             fired += round((around.above + around.below) / around.step) if scan else LOOKS
         searches = 1
@@ -183,8 +209,7 @@ def critical_velocity(
             searches += ranges.searches(over)
         size = StudySize.estimate(panel.setup, panel.title, fired, searches)
         return size.with_choice(setup, fired)  # type: ignore[return-value]
-    # the range over what is assumed searches with the same tolerance and pool
-    beside = {"tolerance": width, **how.pool}
+    beside: dict[str, Any] = {"tolerance": width, **how.pool}
     fired_at = inputs.use_one_thread(setup, strike_velocity=1.0)
     with (
         out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
@@ -211,6 +236,7 @@ def critical_velocity(
             def search():
                 return limits.search(
                     panel.setup,
+                    v50_shots=v50_shots,
                     residual_shots=residual_shots,
                     scan=around,
                     only_mixed=scan is None,
@@ -239,6 +265,8 @@ def critical_velocity(
         save_to(result, folder)
         if over is not None:
             logging.getLogger("weavecell").info(f"{result.lines()[0]}; its range follows")
+            # the range over what is assumed searches with the same tolerance and pool
+            beside["tolerance"] = width or pack_limit.SCATTER * study.limit.velocity
             with panel.name_problems(), progress.bar("Range over what is assumed") as advance:
                 around_it = ranges.critical_velocity(
                     over, study.limit.velocity, on_progress=advance, **beside
@@ -316,7 +344,7 @@ class CriticalVelocityResult(StudyResult):
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `StudyResult`; and the scan, if there was none."""
         found = super().left_out
-        if self.scan is not None:
+        if self.scan is not None or self.v50 is not None:
             return found
         way = option("scan")
         text = f"few outcomes beside the bracket were computed; {way} looks for mixed ones about it"
@@ -324,11 +352,23 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def critical_velocity(self) -> float | None:
-        """[m/s] middle of the bracket; None if stops and perforations are mixed (see
-        `mixed_zone`)."""
+        """[m/s] V50 of a pack, if there is one; else the middle of the bracket, None if stops and
+        perforations are mixed (see `mixed_zone`)."""
+        if self.v50 is not None:
+            return self.v50.velocity
         if not self.limit.single:
             return None
         return float(self.limit.velocity)
+
+    @cached_property
+    def v50(self) -> PackV50 | None:
+        """V50 of a pack with its interval, if at least four shots near its limit perforate; None of
+        one ply."""
+        from weavecell.studies import pack_limit
+
+        if self.target.setup.plies == 1:
+            return None
+        return pack_limit.of_shots(self.limit.shots)
 
     @property
     def bracket(self) -> tuple[float, float]:
@@ -342,12 +382,14 @@ class CriticalVelocityResult(StudyResult):
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
-        """Each quality check of the shot in which it is worst, and the width of the zone of mixed
-        outcomes."""
+        """Each quality check of the shot in which it is worst, and without a V50 the width of the
+        zone of mixed outcomes."""
         from shellfabric.membrane import quality
         from weavecell.studies import limit_scan
 
         worst = quality.worst(shot.checks for shot in self.limit.shots)
+        if self.v50 is not None:
+            return tuple(worst)
         return (*worst, limit_scan.indicator(self.limit))
 
     @property
@@ -361,6 +403,8 @@ class CriticalVelocityResult(StudyResult):
         value = f"{self.limit.velocity:.1f} m/s"
         if self.limit.mixed_zone is not None:
             value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
+        if self.v50 is not None:
+            value = self.v50.words()
         if briefs := brief_words(self.left_out, self.chosen):
             value += f" ({briefs})"
         return "Critical velocity", value
@@ -391,6 +435,7 @@ class CriticalVelocityResult(StudyResult):
             "projectile": self.target.projectile,
             "law_name": self.target.law_name,
             "critical_velocity_m_s": self.critical_velocity,
+            "v50": self.v50 and asdict(self.v50),
             "bracket_m_s": [limit.low, limit.high],
             "single_limit": limit.single,
             "highest_stop_m_s": limit.highest_stop,
@@ -457,6 +502,10 @@ class CriticalVelocityResult(StudyResult):
                 f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots",
                 f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop",
             ]
+        if self.v50 is not None:
+            lines[0] = f"{self.title}: {self.v50.words()}"
+        elif self.target.setup.plies > 1:
+            lines.append(SCATTERS)
         if self.chosen:
             lines.append(self.chosen)
         lines += self._doubt()

@@ -222,12 +222,12 @@ class V50Result(StudyResult):
     @property
     def v50_low(self) -> float:
         """[m/s] of the interval of V50, at the level of the curve's confidence."""
-        return float(self.study.curves["probit"].interval_of("V50")[0])
+        return float(self.study.curves["probit"].intervals["V50"][0])
 
     @property
     def v50_high(self) -> float:
         """[m/s] of the same interval."""
-        return float(self.study.curves["probit"].interval_of("V50")[1])
+        return float(self.study.curves["probit"].intervals["V50"][1])
 
     @property
     def assumed_range(self) -> AssumedRange | None:
@@ -267,9 +267,7 @@ class V50Result(StudyResult):
             return "V50", "not determined"
         around = self.assumed_range
         covered = brief_words(self.left_out, self.chosen)
-        sampled = f"{self.v50_low:.1f} to {self.v50_high:.1f} m/s by the number of shots, 95 %"
-        if self.study.curves["probit"].separated:
-            sampled = "without an interval, as no stop is faster than a perforation"
+        sampled = f"{self.study.curves['probit'].span()} by the number of shots, 95 %"
         parts = [sampled, covered]
         if around is not None:
             span = f"{around.low:.1f} to {around.high:.1f} m/s"
@@ -356,7 +354,7 @@ class V50Result(StudyResult):
         rows = []
         for link, curve in self.study.curves.items():
             for name in ("V0", "V50", "V100"):
-                rows.append((link, name, getattr(curve, name), *curve.interval_of(name)))
+                rows.append((link, name, getattr(curve, name), *curve.intervals[name]))
             scale = 1.0
             if curve.s:
                 scale = curve.deviation / curve.s
@@ -365,7 +363,7 @@ class V50Result(StudyResult):
                     link,
                     "standard deviation",
                     curve.deviation,
-                    *(scale * s for s in curve.interval_of("s")),
+                    *(scale * s for s in curve.intervals["s"]),
                 )
             )
         return DataFrame(

@@ -269,7 +269,7 @@ def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any)
         axes.plot(strike[of], residual[of], "o", ms=7, label=outcome, zorder=3, **look)
     zone = (limit.low, limit.high)
     alpha = 0.8
-    name = f"critical velocity\n{limit.velocity:.1f} ± {limit.half_width:.1f} m/s"
+    name = f"bracket of the limit\n{limit.low:.1f} to {limit.high:.1f} m/s"
     if not limit.single:
         zone = limit.mixed_zone
         alpha = 0.25
@@ -312,7 +312,7 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
     high = 1.02 * max(velocities)
     figure, axes = _draw_velocity_axes(pyplot, title, low, high)
     if not curve.reason:
-        start, end = (max(low, min(high, v)) for v in curve.interval_of("V50"))
+        start, end = (max(low, min(high, v)) for v in curve.intervals["V50"])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
         words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)"
         axes.axvline(curve.V50, color=STEEL, lw=1.5, label=words)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import inf, nan, sqrt
+from math import isinf, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -167,7 +167,7 @@ class ReducedTests:
             "tests": len(self.table),
             "confidence": CONFIDENCE,
             "tested_v50_m_s": self.curve.V50,
-            "tested_v50_interval_m_s": list(self.curve.interval_of("V50")),
+            "tested_v50_interval_m_s": list(self.curve.intervals["V50"]),
             "tested_v50_reason": self.curve.reason,
             **self._spread_summary(),
             **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
@@ -180,15 +180,13 @@ class ReducedTests:
         curve = self.curve
         if curve.reason:
             return dict.fromkeys(("s", *SHARES), (nan, nan, nan))
-        found = {"s": (curve.s, *curve.interval_of("s"))}
+        found = {"s": (curve.s, *curve.intervals["s"])}
         perforated = self.table["tested"] == "perforated"
         shares = SHARES.values()
         ends = probit.band(self.table["velocity [m/s]"], perforated, curve, shares)
         for (name, share), (low, high) in zip(SHARES.items(), ends.tolist()):
-            if curve.separated:
-                low, high = 0.0, inf
             value = max(float(curve.velocity(share)), 0.0)
-            found[name] = (value, low, high)
+            found[name] = (value, min(low, value), max(high, value))
         return found
 
     def _spread_summary(self):
@@ -204,7 +202,8 @@ class ReducedTests:
             return []
         parts = []
         for name, (value, low, high) in self.spread().items():
-            parts.append(f"{name} {value:.4g} ({low:.4g} to {high:.4g}) m/s")
+            span = f"at least {low:.4g}" if isinf(high) else f"{low:.4g} to {high:.4g}"
+            parts.append(f"{name} {value:.4g} ({span}) m/s")
         share = f"V0 is where {100 * probit.LOW:g} % perforate"
         return [f"tests ({self.curve.link}): {', '.join(parts)}; {share}"]
 

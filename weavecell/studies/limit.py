@@ -12,7 +12,7 @@ import numpy as np
 
 from fabrics.base.checks import FilePath
 from shellfabric.impact.setup import ImpactSetup
-from weavecell.studies import ballistic_limit, lambert_jonas, limit_scan
+from weavecell.studies import ballistic_limit, lambert_jonas, limit_scan, pack_limit
 from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.limit_scan import ScanRange
@@ -45,7 +45,8 @@ class LimitStudy:
 def search(
     setup: ImpactSetup,
     *,
-    tolerance: float,
+    tolerance: float | None,
+    v50_shots: int = 0,
     residual_shots: int = 0,
     scan: ScanRange | None,
     only_mixed: bool = False,
@@ -53,13 +54,14 @@ def search(
     folder: FilePath | None = None,
     **beside: Any,
 ) -> LimitStudy:
-    """Search the limit: bisect, scan about the bracket, fire residual shots, and fit all that
-    perforate.
+    """Search the limit: bisect, scan about the bracket, fire the shots of V50 and residual shots,
+    and fit all that perforate.
 
     Parameters
     ----------
     setup : ImpactSetup of any strike velocity
-    tolerance : see `ballistic_limit.critical_velocity`
+    tolerance : see `ballistic_limit.critical_velocity`; None takes that of a pack
+    v50_shots : number of shots a little above the bracket, for `pack_limit`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
     only_mixed : whether it is scanned only if the shots of the search, and one beside either end of
@@ -73,6 +75,8 @@ def search(
     InputError, UndecidedError, UnstableError : as `ballistic_limit.critical_velocity`
     """
     panel = setup.target()
+    if tolerance is None:
+        tolerance = pack_limit.BRACKET * ballistic_limit.first_guess(panel)
     beside["kept"] = ballistic_limit.KeptShots(folder, setup)
     with stage(f"{setup.title}, critical velocity") as advance:
         limit = ballistic_limit.critical_velocity(
@@ -86,6 +90,11 @@ def search(
     if scan is not None and scan.ladder(limit):
         with stage("Scan about the bracket") as advance:
             limit = limit_scan.scan(panel, limit, scan, report=advance, **beside)
+    if v50_shots:
+        with stage("Shots for V50") as advance:
+            strikes = [float(v) for v in limit.high * np.geomspace(*pack_limit.ABOVE, v50_shots)]
+            shots = ballistic_limit.shoot(panel, strikes, report=advance, **beside)
+            limit = limit_scan.with_shots(limit, shots)
     if residual_shots:
         with stage("Residual velocities") as advance:
             fastest = max(limit.high, limit.highest_stop)

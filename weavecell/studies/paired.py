@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, copysign, exp, inf, log, nan, sqrt
+from math import ceil, copysign, exp, hypot, inf, log, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -88,6 +88,18 @@ class Difference:
     def width_after(self, shots: int) -> float:
         """Forecast the half width [m/s] of the interval after a number of shots of each."""
         return 0.5 * (self.high - self.low) * sqrt(self.shots / shots)
+
+
+def subtract(
+    a: tuple[float, float, float], b: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Compute A less B of two independent (value, low, high), with the interval of the difference
+    whose sides are those of the two squared, added and rooted (Newcombe 1998, Statistics in Medicine
+    17, 873, method 10)."""
+    value = a[0] - b[0]
+    low = value - hypot(a[0] - a[1], b[2] - b[0])
+    high = value + hypot(a[2] - a[0], b[0] - b[1])
+    return value, low, high
 
 
 def judge(low: float, high: float) -> str:
@@ -208,13 +220,10 @@ class PairedLikelihood:
 
     def penalise(self, panel: int, V50: float, s: float) -> float:
         """Compute half the logarithm of the determinant of the information on b0 and b1 of a panel,
-        P = Phi(b0 + b1 (V - V_mean))."""
+        P = Phi(b0 + b1 V)."""
         V = self.velocities[panel]
         z = (V - V50) / s
-        weights = np.exp(-(z**2) - log_ndtr(z) - log_ndtr(-z))
-        x = V - V.mean()
-        determinant = weights.sum() * weights @ x**2 - (weights @ x) ** 2
-        return 0.5 * log(max(determinant, _LEAST))
+        return float(probit.penalty(V, probit.LOG_WEIGHT["probit"](z, log_ndtr(z), log_ndtr(-z))))
 
     def __call__(
         self, difference: float, V50_b: float, log_s_a: float, log_s_b: float, r: float

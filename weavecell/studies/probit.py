@@ -3,18 +3,20 @@
     P(V) = F((V - V50) / s)   with F of the standard normal (probit) or logistic (logit)
                               distribution
 
-V50 and s have the largest likelihood, intervals those values at which the profile likelihood has
-fallen by half the quantile of chi^2 (1): they hold for few shots too, unsymmetric. With beta = 1 /
-s, and any V_P = V50 + z_P s in the place of V50, the logarithm of the likelihood is concave in
-beta, so that every profile has one top. Since P reaches 0 and 1 nowhere, V0 and V100 are taken
-where it is `LOW` and `HIGH`.
+V50 and s have the largest likelihood. Where no shot that stopped was faster than one that
+perforated, that is a step, s = 0, with V50 anywhere between them: the middle is given. Where the
+fastest stop and the slowest perforation have one velocity, the step is there.
 
-Where no shot that stopped was faster than one that perforated, the likelihood is largest for s = 0,
-a step, with V50 anywhere between them: the middle is given, and the profile as ever (`intervals`).
-That is no interval of confidence: of 70 drawn series of twelve shots with s = 5 m/s, 41 were
-separated, and 95 % intervals by the profile held V50 in 56 % of these, against 97 % of the others.
-`interval_of` says that such shots set no bounds. Where the fastest stop and the slowest perforation
-have one velocity, the step is there.
+Intervals rest on the penalised likelihood of Firth (1993, Biometrika 80, 27), whose logarithm is
+
+    l(V50, s) + 1/2 ln det I,   I = sum_k w_k (1, V_k)^T (1, V_k),   w = f^2 / (F (1 - F))
+
+and end where its profile has fallen by half the quantile of chi^2 (1) (Heinze and Schemper 2002,
+Statistics in Medicine 21, 2409, who use it where outcomes do not mix). They are unsymmetric, as few
+shots are. The likelihood alone finds s too small, the more so as the velocities of later shots
+follow from it, and its intervals are too narrow (`python -m validation study v50-coverage`). With
+beta = 1 / s and any V_P = V50 + z_P s in the place of V50, a profile is one over beta. Since P
+reaches 0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
 
 statsmodels finds the same curves (a test holds them against each other). It is not used here: where
 shots are separated it does not converge, and its intervals are those of a normal distribution, too
@@ -34,6 +36,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import expit, log_expit, log_ndtr, ndtr
 from scipy.stats import chi2, logistic, norm
 
+from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 
 LOW = 0.01
@@ -43,9 +46,18 @@ LINKS = {"probit": norm, "logit": logistic}
 # many checks
 CDF = {"probit": ndtr, "logit": expit}
 LOG_CDF = {"probit": log_ndtr, "logit": log_expit}
+# ln w of eta, of the logarithms of F (eta) and F (-eta); of the probit but for a constant
+LOG_WEIGHT = {
+    "probit": lambda eta, below, above: -np.square(eta) - below - above,
+    "logit": lambda eta, below, above: below + above,
+}
 NOT_RISING = "the share of perforations does not grow with the velocity"
 # bounds of beta times the range of the velocities
 _FLATTEST, _STEEPEST = 1e-3, 1e5
+# step of the logarithm of beta with which a search begins
+_COARSE = 0.5
+# least determinant, whose logarithm is finite
+_LEAST = 1e-300
 
 
 @dataclass(frozen=True)
@@ -57,12 +69,12 @@ class Curve:
     link : a name of LINKS
     V50, s : [m/s]
     deviation : [m/s] standard deviation of the velocity at which a panel fails
-    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]} of the profile
-        likelihood; 0 or infinite where the shots set no bound, and 0 where it would be below. What
-        is told of a curve is `interval_of`
+    intervals : {"V0", "V50", "V100": (low, high) [m/s], "s": (low, high) [m/s]}; 0 or infinite
+        where the shots set no bound, and 0 where it would be below; they hold the value itself
     likelihood : its logarithm
     separated : whether no stop was faster than a perforation: the curve is a step, and s 0
     confidence : [-] of the intervals
+    floor : [-] logarithm of the penalised likelihood at the ends of the intervals
     reason : why the shots determine no curve, all of whose numbers are NaN then; "" of a fitted one
     """
 
@@ -74,29 +86,29 @@ class Curve:
     likelihood: float
     separated: bool
     confidence: float
+    floor: float
     reason: str = ""
 
     def words(self) -> str:
         """Write V50 with its interval, or why there is none."""
         if self.reason:
             return f"V50 ({self.link}) not determined, because {self.reason}"
-        words = f"V50 ({self.link}) {self.V50:.1f} m/s"
+        step = ""
         if self.separated:
-            most = self.intervals["s"][1]
-            return (
-                f"{words} without an interval: no stop is faster than a perforation, a step, s = 0 "
-                f"(by the likelihood up to {most:.1f} m/s)"
-            )
-        low, high = self.intervals["V50"]
-        return f"{words}, {low:.1f} to {high:.1f} m/s with {100 * self.confidence:g} % confidence"
+            step = "; no stop is faster than a perforation, a step, s = 0"
+        level = f"with {100 * self.confidence:g} % confidence"
+        return f"V50 ({self.link}) {self.V50:.1f} m/s, {self.span()} {level}{step}"
 
-    def interval_of(self, name: str) -> tuple[float, float]:
-        """Return the (low, high) [m/s] of V0, V50, V100 or s at the level of `confidence`; 0 and
-        infinity where the outcomes do not mix, which sets no bounds."""
-        if self.separated:
-            return 0.0, inf
-        low, high = self.intervals[name]
-        return low, high
+    def span(self) -> str:
+        """Write the interval of V50."""
+        low, high = self.intervals["V50"]
+        if low > 0 and high < inf:
+            return f"{low:.1f} to {high:.1f} m/s"
+        if low > 0:
+            return f"at least {low:.1f} m/s"
+        if high < inf:
+            return f"at most {high:.1f} m/s"
+        return "without bounds"
 
     def velocity(self, probability: Any) -> Any:
         """Compute the velocity [m/s] at which a share `probability` perforates."""
@@ -120,34 +132,46 @@ class Curve:
 
 
 class _Likelihood:
-    """Logarithm of the likelihood of some shots, and its profiles."""
+    """Logarithm of the likelihood of some shots, penalised or not, and its profiles."""
 
-    def __init__(self, velocity: np.ndarray, perforated: np.ndarray, link: str) -> None:
+    def __init__(
+        self, velocity: np.ndarray, perforated: np.ndarray, link: str, *, penalised: bool
+    ) -> None:
         self.V = velocity
         self.hit = perforated
         self.law = LINKS[link]
         self.log_cdf = LOG_CDF[link]
+        self.log_weight = LOG_WEIGHT[link]
+        self.penalised = penalised
         self.range = float(np.ptp(velocity))
         # the slope is searched by its logarithm: it spans eight powers of ten
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
         # [m/s] least s
         self.least = self.range / _STEEPEST
 
-    def __call__(self, at: float, beta: float, z: float = 0.0) -> float:
-        """Of P(at) = F(z) and slope beta."""
-        eta = z + beta * (self.V - at)
+    def __call__(self, at: float, beta: Any, z: float = 0.0) -> Any:
+        """Of P(at) = F(z) and slope beta, a number or an array of any shape."""
+        eta = z + np.multiply.outer(beta, self.V - at)
         # both distributions are even: sf(x) is cdf(-x)
-        return float(self.log_cdf(eta[self.hit]).sum() + self.log_cdf(-eta[~self.hit]).sum())
+        below = self.log_cdf(eta)
+        above = self.log_cdf(-eta)
+        found = np.where(self.hit, below, above).sum(axis=-1)
+        if self.penalised:
+            found = found + penalty(self.V, self.log_weight(eta, below, above))
+        return found
 
     def maximise_at(self, at: float, z: float = 0.0) -> tuple[float, float]:
         """(largest likelihood, its beta) with P(at) = F(z)."""
+        # the penalised one need not have one top
+        tried = np.arange(*self.betas, _COARSE)
+        near = tried[np.argmax(self(at, np.exp(tried), z))]
         top = minimize_scalar(
             lambda t: -self(at, exp(t), z),
-            bounds=self.betas,
+            bounds=(near - _COARSE, near + _COARSE),
             method="bounded",
-            options={"xatol": 1e-9},
+            options={"xatol": 1e-6},
         )
-        return -top.fun, exp(top.x)
+        return -float(top.fun), exp(top.x)
 
     def maximise_with_slope(self, beta: float) -> tuple[float, float]:
         """(largest likelihood, its V50) with slope beta."""
@@ -160,7 +184,24 @@ class _Likelihood:
             method="bounded",
             options={"xatol": 1e-9 * self.range},
         )
-        return -top.fun, top.x
+        return -float(top.fun), top.x
+
+
+def penalty(velocity: FloatArray, log_weight: FloatArray) -> Any:
+    """Compute half the logarithm of the determinant of the information on both constants of a
+    curve, but for a constant.
+
+    Parameters
+    ----------
+    velocity : (n,) [m/s]
+    log_weight : (..., n) ln w of each shot
+    """
+    # in units of the largest weight: others may be less than any number
+    largest = log_weight.max(axis=-1)
+    w = np.exp(log_weight - largest[..., None])
+    total = w.sum(axis=-1)
+    off = velocity - (w @ velocity / total)[..., None]
+    return largest + 0.5 * np.log(np.maximum(total * (w * off**2).sum(axis=-1), _LEAST))
 
 
 def fit(
@@ -193,7 +234,7 @@ def fit(
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
     if reason := _no_curve(V, hit):
         return _none(link, confidence, reason)
-    likelihood = _Likelihood(V, hit, link)
+    likelihood = _Likelihood(V, hit, link, penalised=False)
     # then the likelihood has no maximum: it grows with the slope for ever
     separated = bool(V[hit].min() >= V[~hit].max())
     if separated:
@@ -203,15 +244,22 @@ def fit(
         # the search ended at its flattest slope
         if s > 0.5 * likelihood.range / _FLATTEST or V50 < 0:
             return _none(link, confidence, NOT_RISING)
-    # profile likelihood: with few shots it is far from a parabola, and so are the intervals
-    floor = best - 0.5 * chi2.ppf(confidence, 1)
+    penalised = _Likelihood(V, hit, link, penalised=True)
+    middle, steepness, highest = _top_over_V50(penalised, V50)
+    floor = highest - 0.5 * float(chi2.ppf(confidence, 1))
     intervals = {
-        name: interval(likelihood, P, V50 + max(s, likelihood.least) * LINKS[link].ppf(P), floor)
+        name: interval(penalised, P, middle + LINKS[link].ppf(P) / steepness, floor)
         for name, P in (("V0", LOW), ("V50", 0.5), ("V100", HIGH))
     }
-    intervals["s"] = _spread(likelihood, s, floor)
-    deviation = s * float(LINKS[link].std())
-    return Curve(link, V50, s, deviation, intervals, best, separated, confidence)
+    intervals["s"] = _spread(penalised, 1 / steepness, floor)
+    curve = Curve(
+        link, V50, s, s * float(LINKS[link].std()), intervals, best, separated, confidence, floor
+    )
+    # a step has s = 0, which no penalised likelihood holds
+    for name, (low, high) in intervals.items():
+        value = getattr(curve, name)
+        intervals[name] = min(low, value), max(high, value)
+    return curve
 
 
 def _no_curve(V, hit):
@@ -226,7 +274,22 @@ def _no_curve(V, hit):
 def _none(link, confidence, reason):
     """The Curve of shots that determine none."""
     intervals = dict.fromkeys(("V0", "V50", "V100", "s"), (nan, nan))
-    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, reason)
+    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, nan, reason)
+
+
+def fallen(
+    velocity: ArrayLike,
+    perforated: ArrayLike,
+    V50: float,
+    *,
+    link: str = "probit",
+    penalised: bool = True,
+) -> float:
+    """Compute by how much the logarithm of the likelihood has fallen from its top at a V50 [m/s]: an
+    interval holds those of less than half the quantile of chi^2 (1)."""
+    V = np.asarray(velocity, float)
+    likelihood = _Likelihood(V, np.asarray(perforated, bool), link, penalised=penalised)
+    return _top_over_V50(likelihood, V50)[2] - likelihood.maximise_at(V50)[0]
 
 
 def band(
@@ -234,11 +297,11 @@ def band(
 ) -> np.ndarray:
     """Compute intervals (k, 2) [m/s] of the velocities at which the shares `probabilities`
     perforate."""
-    likelihood = _Likelihood(np.asarray(velocity, float), np.asarray(perforated, bool), curve.link)
-    floor = curve.likelihood - 0.5 * chi2.ppf(curve.confidence, 1)
-    s = max(curve.s, likelihood.least)
-    places = [(P, curve.V50 + s * LINKS[curve.link].ppf(P)) for P in probabilities]
-    return np.array([interval(likelihood, P, at, floor) for P, at in places])
+    V = np.asarray(velocity, float)
+    likelihood = _Likelihood(V, np.asarray(perforated, bool), curve.link, penalised=True)
+    middle, steepness, _ = _top_over_V50(likelihood, curve.V50)
+    places = [(P, middle + LINKS[curve.link].ppf(P) / steepness) for P in probabilities]
+    return np.array([interval(likelihood, P, at, curve.floor) for P, at in places])
 
 
 def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
@@ -277,6 +340,15 @@ def _top(likelihood):
     return float(V50), exp(-top.x), best
 
 
+def _top_over_V50(likelihood, near):
+    """(V50, beta, likelihood) where it is largest, looked for from a near V50."""
+    step = 0.05 * likelihood.range
+    bracket = near - step, near + step
+    top = minimize_scalar(lambda at: -likelihood.maximise_at(at)[0], bracket, tol=1e-6)
+    best, beta = likelihood.maximise_at(float(top.x))
+    return float(top.x), beta, best
+
+
 def _step(likelihood):
     """(V50, s = 0, likelihood) of a step, at which a share of the shots of one velocity may have
     perforated."""
@@ -292,17 +364,11 @@ def _step(likelihood):
 
 
 def _spread(likelihood, s, floor):
-    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; 0 and infinity if there
-    is no bound."""
+    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; infinite if there is no
+    bound."""
     above = lambda t: likelihood.maximise_with_slope(exp(t))[0] - floor  # noqa: E731
     flattest, steepest = likelihood.betas
-    middle = steepest
-    if s != 0:
-        middle = -log(s)
     high = inf
     if above(flattest) < 0:
-        high = exp(-brentq(above, flattest, middle))
-    low = 0.0
-    if s > 0 and above(steepest) < 0:
-        low = exp(-brentq(above, middle, steepest))
-    return low, high
+        high = exp(-brentq(above, flattest, -log(s)))
+    return exp(-brentq(above, -log(s), steepest)), high

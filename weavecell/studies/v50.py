@@ -143,7 +143,7 @@ class Study:
     def summary(self) -> dict[str, Any]:
         """Return its numbers, {name with unit: value}."""
         curve = self.curves["probit"]
-        low, high = curve.interval_of("V50")
+        low, high = curve.intervals["V50"]
         return {
             "v50_m_s": curve.V50,
             "v50_low_m_s": low,

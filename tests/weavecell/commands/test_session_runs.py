@@ -244,7 +244,7 @@ def of_shot(s):
 SAID = {
     **dict.fromkeys(IMPACTS, of_shot),
     "v50": lambda s: [
-        f"probit V50 {s['v50_m_s']:.4g} 0 inf ",  # outcomes that do not mix have no interval
+        f"probit V50 {s['v50_m_s']:.4g} {s['v50_low_m_s']:.4g} {s['v50_high_m_s']:.4g} ",
     ],
     "coupon": lambda s: [
         f"shear stress {1e-6 * s['at_end']['shear stress']['value']:.4g} MPa",

@@ -230,6 +230,48 @@ def test_outcomes_that_mix_beside_the_bracket_are_scanned(looked):
     assert 0 <= len(rows) - len(all_rows) <= 2
 
 
+@pytest.fixture
+def scattering(command, tmp_path, monkeypatch):
+    """A search with options, of two plies whose shots each have a limit of their own about 140 m/s: (code, output)."""
+    path = tmp_path / "pack.toml"
+    path.write_text(impact_scene(panel="plies = 2"))
+
+    def fire(_, velocity, __):
+        limit = 140.0 * (1 + 0.02 * np.random.default_rng(int(1e6 * velocity)).standard_normal())
+        through = velocity > limit
+        residual = (velocity**2.3 - limit**2.3) ** (1 / 2.3) if through else 0.0
+        outcome = "perforated" if through else "stopped"
+        return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1, 1), 0.0, 0.0)
+
+    def search(options=""):
+        line = f"critical-velocity {path} --jobs 1 --no-assumed-range --out {tmp_path}/r {options}"
+        return command(line)[:2]
+
+    monkeypatch.setattr(ballistic_limit, "_fire", fire)
+    return search
+
+
+def test_the_limit_of_a_pack_is_a_v50_with_its_interval(scattering, tmp_path):
+    code, out = scattering()
+    summary, rows = read(tmp_path / "r")
+    found = summary["v50"]
+    assert code == 0
+    assert len(rows) <= 14
+    assert summary["critical_velocity_m_s"] == found["velocity"]
+    assert found["low"] < 140.0 < found["high"]
+    assert found["high"] - found["low"] < 0.12 * 140
+    span = f"V50 {found['velocity']:.1f} m/s, {found['low']:.1f} to {found['high']:.1f} m/s"
+    assert f"2 x S-720: {span} with 95 % confidence; single shots scatter by" in out
+    assert "mixed outcomes" not in out
+    assert scattering("--resume") == (code, out)
+
+
+def test_a_bracket_of_a_pack_is_not_given_for_an_error(scattering, tmp_path):
+    _, out = scattering("--v50-shots 0 --residual-shots 0 --no-scan")
+    assert "the bracket is no error: shots of a pack scatter by some 2 %" in out
+    assert read(tmp_path / "r")[0]["v50"] is None
+
+
 def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
     found = target.read_target("S-726", tmp_path, honoured.LIMITS)

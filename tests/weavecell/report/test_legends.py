@@ -162,7 +162,9 @@ def test_a_limit(single):
         outcome: points[points[:, 0] != 87.0] if single else points
         for outcome, points in STRUCK.items()
     }
-    name = "critical velocity\n94.0 ± 2.0 m/s" if single else "mixed outcomes\n87.0 to 92.0 m/s"
+    name = (
+        "bracket of the limit\n92.0 to 96.0 m/s" if single else "mixed outcomes\n87.0 to 92.0 m/s"
+    )
     zone = Span((92.0, 96.0) if single else (87.0, 92.0))
     low = 0.94 * 81
     wanted = struck | {
@@ -189,7 +191,7 @@ def shots_beside_tests(pyplot):
             "computed residual velocity [m/s]": [3.0, 27.0, 66.0],
         }
     )
-    curve = Given(reason="", V50=84.0, interval_of=lambda _: (79.0, 88.0))
+    curve = Given(reason="", V50=84.0, intervals={"V50": (79.0, 88.0)})
     tests = Given(table=table, curve=curve, lambert_jonas=curve_of("", 0.3))
     comparison = Given(
         table=table, limit=Given(low=90.0, high=92.0, velocity=91.0), computed=curve_of("", 0.6)

@@ -1,0 +1,102 @@
+"""How often the interval of a V50 holds the true one: series of shots drawn at panels whose V50 is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import chi2
+
+from fabrics.base.checks import FloatArray
+from validation.values import Values
+from weavecell.studies import probit, v50
+
+V50 = 500.0  # [m/s]
+CONFIDENCE = 0.95
+SEED = 11
+
+
+def coverage(*, protocol: str, share: float, shots: Sequence[int], series: int) -> Values:
+    """Count the series whose 95 % interval holds V50.
+
+    Parameters
+    ----------
+    protocol : a name of PROTOCOLS
+    share : [-] s over V50; panels fail at normal velocities
+    shots : numbers of shots of a series
+    series : of each number
+
+    Returns
+    -------
+    dict with held, and with without, by the likelihood alone: [%] by number of shots
+    """
+    held = []
+    without = []
+    for count in shots:
+        random = np.random.default_rng([SEED, count])
+        inside = []
+        for _ in range(series):
+            failing = V50 * (1 + share * random.standard_normal(count))
+            inside.append(_inside(*PROTOCOLS[protocol](failing, random)))
+        found, plain = 100 * np.mean(inside, axis=0)
+        held.append(found)
+        without.append(plain)
+    return {"held": held, "without": without}
+
+
+def _inside(velocity, perforated):
+    """Whether V50 is in the interval, and in that of the likelihood alone; shots of one outcome exclude nothing."""
+    if len(set(perforated)) < 2:
+        return True, True
+    fall = 0.5 * chi2.ppf(CONFIDENCE, 1)
+    return [probit.fallen(velocity, perforated, V50, penalised=p) <= fall for p in (True, False)]
+
+
+def rounds(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
+    """Place shots as `v50` does, about a limit without scatter 2 % below to 10 % above V50."""
+    limit = V50 * random.uniform(0.98, 1.1)
+    velocities: list[float] = []
+    hit: list[bool] = []
+    while len(velocities) < failing.size:
+        count = min(v50.usual_batch(failing.size), failing.size - len(velocities))
+        placed = limit * np.linspace(1 - v50.FIRST, 1 + v50.FIRST, count)
+        if velocities:
+            placed = v50.plan(velocities, hit, count, True)
+        hit += [bool(v > failing[len(velocities) + k]) for k, v in enumerate(placed)]
+        velocities += placed.tolist()
+    return velocities, hit
+
+
+def up_and_down(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
+    """Place each shot 30 m/s below a perforation and above a stop, 15 m/s once there were both."""
+    velocity = V50 + random.uniform(-30, 30)
+    velocities: list[float] = []
+    hit: list[bool] = []
+    for limit in failing:
+        velocities.append(velocity + random.normal(0, 2.5))  # no gun meets its velocity
+        hit.append(bool(velocities[-1] > limit))
+        step = 15 if len(set(hit)) == 2 else 30
+        velocity = velocities[-1] + (-step if hit[-1] else step)
+    return velocities, hit
+
+
+def langlie(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
+    """Place shots by Langlie (1962): half way to the last shot since which both outcomes came equally often, or to
+    the end of the range."""
+    low, high = V50 * random.uniform((0.75, 1.1), (0.9, 1.25))
+    velocities: list[float] = []
+    hit: list[bool] = []
+    for limit in failing:
+        at = 0.5 * (low + high)
+        if hit:
+            signs = np.cumsum([1 if one else -1 for one in reversed(hit)])
+            balanced = np.flatnonzero(signs == 0)
+            end = low if hit[-1] else high
+            other = velocities[-1 - balanced[0]] if balanced.size else end
+            at = 0.5 * (velocities[-1] + other)
+        velocities.append(float(at))
+        hit.append(bool(at > limit))
+    return velocities, hit
+
+
+PROTOCOLS = {"rounds, as v50": rounds, "up and down": up_and_down, "Langlie": langlie}
