@@ -3,14 +3,14 @@
 A change of 1e-6 grows by e in a microsecond once plies are torn, so that shots of one pack scatter like
 tests of it: each has a limit T of its own, and a bracket between a stop and a perforation says nothing
 of that scatter. The limits are taken as normal about V50. A stop at V says that T is above V; a
-perforation tells T by its residual velocity V_r, by the curve of Lambert and Jonas with a = 1,
+perforation tells T by its residual velocity V_r, by the curve of Lambert and Jonas,
 
-    T = (V^p - V_r^p)^(1/p),   T ~ N(V50, s)
+    T = (V^p - (V_r / a)^p)^(1/p),   T ~ N(V50, s)
 
-and so each perforation says as much as several outcomes. V50, s and p have the posterior distribution
-with priors that are flat in V50, log s and log p (Gelman et al., Bayesian Data Analysis, 3.2: without p
-and stops it is Student's t); V50 is its median and the interval is between its quantiles. With shots no
-more than `NEAR` above the slowest perforation one shape p is enough.
+and so each perforation says as much as several outcomes. V50, s, p and a have the posterior
+distribution with priors that are flat in V50, log s, log p and a (Gelman et al., Bayesian Data
+Analysis, 3.2: without stops, p and a known it is Student's t); V50 is its median and the interval is
+between its quantiles.
 """
 
 from __future__ import annotations
@@ -38,14 +38,17 @@ NEAR = 1.25
 # perforations without which there is no estimate
 LEAST = 4
 CONFIDENCE = 0.95
-# ends of p, and of s over the mean of the velocities
-_SHAPES = 1.5, 6.0
+# ends of p, of a, and of s over the mean of the velocities
+_SHAPES = 1.5, 8.0
+_SHARES = 0.5, 1.0
 _SPREADS = 2e-3, 0.2
-# numbers of V50, s and p at which the posterior is computed, so many times, each where it has not
+# numbers of V50, s, p and a at which the posterior is computed, so many times, each where it has not
 # been negligible before
-_GRID = 61, 25, 31
+_GRID = 45, 15, 17, 11
 _PASSES = 3
 _NEGLIGIBLE = 1e-5
+# share of V^p that a residual velocity takes, at most
+_MOST = 1 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -104,33 +107,40 @@ def estimate(strike_velocity: ArrayLike, residual_velocity: ArrayLike) -> PackV5
     through = left > 0
     if through.sum() < LEAST:
         return None
-    # V50, and the logarithms of s and p
+    # V50, the logarithms of s and p, and a
     ends = [
         (0.6 * V.min(), 1.1 * V.max()),
         np.log(V.mean() * np.array(_SPREADS)),
         np.log(_SHAPES),
+        _SHARES,
     ]
     for _ in range(_PASSES):
         # each pass looks closer at what the one before left
         axes = [np.linspace(low, high, count) for (low, high), count in zip(ends, _GRID)]
         found = _log_posterior(V[through], left[through], V[~through], *np.ix_(*axes))
         weight = np.exp(found - found.max())
-        alone = [weight.sum(axis=(1, 2)), weight.sum(axis=(0, 2)), weight.sum(axis=(0, 1))]
+        alone = [
+            weight.sum(axis=tuple(set(range(weight.ndim)) - {own})) for own in range(weight.ndim)
+        ]
         ends = [_support(places, of_one) for places, of_one in zip(axes, alone)]
     low, value, high = _quantiles(axes[0], alone[0])
     spread = float(np.exp(_quantiles(axes[1], alone[1])[1]))
     return PackV50(value, low, high, spread, V.size, int(through.sum()))
 
 
-def _log_posterior(V, residual, stopped, V50, log_s, log_p):
-    """Logarithm of the posterior of V50, log s and log p, by perforations at V and stops."""
+def _log_posterior(V, residual, stopped, V50, log_s, log_p, a):
+    """Logarithm of the posterior of V50, log s, log p and a, by perforations at V and stops."""
     s = np.exp(log_s)
     p = np.exp(log_p)
-    found = np.zeros(np.broadcast_shapes(V50.shape, s.shape, p.shape))
+    found = np.zeros(np.broadcast_shapes(V50.shape, s.shape, p.shape, a.shape))
     for velocity, left in zip(V, residual):
-        limit = velocity * (1 - (left / velocity) ** p) ** (1 / p)
-        # a density of V_r: dT / dV_r = (V_r / T)^(p - 1)
-        found += -0.5 * ((limit - V50) / s) ** 2 - log_s + (p - 1) * np.log(left / limit)
+        # no limit is below 0: such an a is impossible
+        share = np.minimum((left / (a * velocity)) ** p, _MOST)
+        limit = velocity * (1 - share) ** (1 / p)
+        # a density of V_r: dT / dV_r = (V_r / (a T))^(p - 1) / a
+        slope = (p - 1) * np.log(left / (a * limit)) - np.log(a)
+        found += -0.5 * ((limit - V50) / s) ** 2 - log_s + slope
+        found = np.where(share < _MOST, found, -np.inf)
     for velocity in stopped:
         found += log_ndtr((V50 - velocity) / s)
     return found

@@ -31,10 +31,12 @@ def study(random, V50, s, p, a):
     return np.array([*shots, *((v, fire(v)) for v in above)]).T
 
 
-@pytest.mark.parametrize(("s", "p", "a"), [(0.02, 2.25, 1.0), (0.03, 2.44, 0.947)])
+@pytest.mark.parametrize(
+    ("s", "p", "a"), [(0.02, 3.59, 0.688), pytest.param(0.02, 2.25, 1.0, marks=pytest.mark.slow(4))]
+)
 def test_intervals_of_a_hundred_studies_of_one_pack_hold_v50(s, p, a):
     """Of 95 % intervals 89 or more of 100 hold the true V50: fewer have a chance of 1 %. The curves
-    are those fitted to packs of eight and four plies of S-728."""
+    are those fitted to packs of four and eight plies of S-728."""
     random = np.random.default_rng(1)
     held = 0
     shots = []
@@ -47,6 +49,7 @@ def test_intervals_of_a_hundred_studies_of_one_pack_hold_v50(s, p, a):
     assert np.mean(shots) < 13
 
 
+@pytest.mark.slow(4)
 def test_intervals_of_fifty_pairs_of_packs_hold_the_difference():
     """Of the 95 % intervals of 50 pairs 44 or more hold it: fewer have a chance of 1 %."""
     random = np.random.default_rng(2)
@@ -67,9 +70,10 @@ def test_stored_shots_of_eight_plies():
     assert f"V50 {found.velocity:.1f} m/s, {found.low:.1f} to" in found.words()
 
 
-def test_with_one_shape_and_no_stops_it_is_students_t(monkeypatch):
+def test_with_one_curve_and_no_stops_it_is_students_t(monkeypatch):
     monkeypatch.setattr(pack_limit, "_SHAPES", (2.0, 2.0 + 1e-9))
-    monkeypatch.setattr(pack_limit, "_GRID", (201, 61, 2))
+    monkeypatch.setattr(pack_limit, "_SHARES", (1.0 - 1e-9, 1.0))
+    monkeypatch.setattr(pack_limit, "_GRID", (201, 61, 2, 2))
     limits = np.array([291.0, 302.0, 299.0, 310.0, 305.0, 296.0])
     strikes = np.linspace(320.0, 345.0, 6)
     found = pack_limit.estimate(strikes, np.sqrt(strikes**2 - limits**2))
