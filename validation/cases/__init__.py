@@ -7,7 +7,18 @@ from collections.abc import Callable
 from fabrics.base.errors import InputError
 from validation.values import Values
 
-MODULES = "impact", "cell", "coupons", "block", "drawn", "laws", "patches", "peers", "series", "solid"
+MODULES = (
+    "impact",
+    "cell",
+    "coupons",
+    "block",
+    "drawn",
+    "laws",
+    "patches",
+    "peers",
+    "series",
+    "solid",
+)
 
 
 def function(name: str) -> Callable[..., Values]:
