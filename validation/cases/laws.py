@@ -134,7 +134,9 @@ def _velocity_and_tension(setup: ImpactSetup) -> tuple[float, float]:
 
 def law_of_card(setup: ImpactSetup, law: str, match: str) -> Law:
     """Fit the law of a material card, one of LAWS, to the cell of a set-up; `match` of `decks.cloth.MATCHES`."""
-    return LAWS[law].fit(Cloth(setup.cell()), match)
+    cell: Any = setup.cell()
+    law_of: Law = LAWS[law].fit(Cloth(cell), match)
+    return law_of
 
 
 def card_table(setup: ImpactSetup, law: Law) -> CellTable:

@@ -86,7 +86,8 @@ def timed(
     """
     shot = ImpactSetup(catalogue.load(fabric), velocity, yarn_failure=False)
     if model == "cable":
-        side = tuple(2 * w * crossings for w in shot.fabric.weave.w)
+        weave = shot.fabric.weave
+        side = 2 * weave.w1 * crossings, 2 * weave.w2 * crossings
         scene = replace(shot, opening=side, elements_per_crossover=1, end_time=duration)
         CableNet(replace(scene, end_time=1e-6)).run()
         net = CableNet(scene)
