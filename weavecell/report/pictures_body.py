@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # [m] the cut is shown at least this far to either side
 _AT = 24e-3
+# [m] depth at which the picture of a block begins at the latest: a little above its face
+_RIM = -4e-3
 
 
 def bar(pyplot: Any, history: BarHistory) -> Any:
@@ -144,9 +146,11 @@ def crater(pyplot: Any, blocks: Any) -> Any:
 
     deepest = max(block.depth for block in blocks.values())
     reach = max(_AT, 1.2 * deepest, 2.5 * max(block.half_width for block in blocks.values()))
+    # the clay that the dent has driven out stands above the face
+    rim = min(_RIM, *(1.1 * float(block.crater[:, 1].min()) for block in blocks.values()))
     across = min(3, len(blocks))
     down = -(-len(blocks) // across)
-    tall = (1.35 * deepest + 0.006) / (2 * reach) * 10.4 / across
+    tall = (1.35 * deepest + 2e-3 - rim) / (2 * reach) * 10.4 / across
     figure, grid = pyplot.subplots(
         down,
         across,
@@ -171,7 +175,7 @@ def crater(pyplot: Any, blocks: Any) -> Any:
             axes.plot(side * MM * block.crater[:, 0], MM * block.crater[:, 1], color=INK, lw=1.4)
         axes.set(
             xlim=(-MM * reach, MM * reach),
-            ylim=(MM * (1.35 * deepest + 2e-3), -4),
+            ylim=(MM * (1.35 * deepest + 2e-3), MM * rim),
             title=title,
             aspect="equal",
         )

@@ -288,12 +288,20 @@ class ImpactRecord(ImpactData):
         has left, or before a block, is seen from behind."""
         return self.outcome != "perforated" and self.backing is None
 
+    def time_of_pack(self, t: float) -> float:
+        """Return the time [s] of which pack and projectile are shown at time t [s]: they stay as
+        they were when the block began to go on alone."""
+        if self.backing is None:
+            return t
+        return float(np.fmin(t, self.backing.alone_from))
+
     def face_at(self, t: float) -> FloatArray:
-        """Return the face (nx, ny, 3) [m] of the block at the cut nearest to time t [s], as far as
-        it is modelled; empty without a block."""
+        """Return the face (nx, ny, 3) [m] of the block beside the pack that is shown at time t [s],
+        from the nearest cut, as far as it is modelled; empty without a block."""
         if not self.cuts:
             return np.empty((0, 0, 3))
-        return min(self.cuts, key=lambda cut: abs(cut.time - t)).face
+        shown = self.time_of_pack(t)
+        return min(self.cuts, key=lambda cut: abs(cut.time - shown)).face
 
     def faces(self) -> list[tuple[FloatArray, float]]:
         """Return the face (nx, ny, 3) [m] of the block behind the last ply at each cut, as far as it

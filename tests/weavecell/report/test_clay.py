@@ -3,6 +3,7 @@
 import base64
 import json
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -85,6 +86,18 @@ def test_pictures_show_clay_behind_the_fabric(record):
         colours = [patch.get_facecolor()[:3] for patch in near.patches]
         assert any(np.allclose(colour, clay / 255, atol=5e-3) for colour in colours)
         assert whole.get_ylim()[1] > 1e3 * record.cuts[-1].face[..., 2].max()
+
+
+def test_beside_a_pack_that_has_left_it_the_block_is_drawn_as_it_was_then(record):
+    """Its dent goes on, pack and projectile do not: later faces would stand through the fabric."""
+    first, left, last = record.cuts
+    alone = replace(record, backing=replace(record.backing, alone_from=left.time + 1e-9))
+    for t, expected in ((first.time, first), (left.time, left), (last.time, left)):
+        assert np.array_equal(alone.face_at(t), expected.face), t
+    caption = view.Panel(alone, []).caption(last.time)
+    assert caption.startswith(f"{1e6 * left.time:.0f} µs")
+    assert "alone" in caption
+    assert "alone" not in view.Panel(record, []).caption(last.time)
 
 
 def test_the_view_in_motion_has_the_face_of_each_instant(struck, record):

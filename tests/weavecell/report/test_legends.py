@@ -8,6 +8,7 @@ from types import SimpleNamespace as Given
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_rgb
 from numpy.testing import assert_allclose
 
 from fabrics import catalogue
@@ -27,6 +28,7 @@ from weavecell.report import (
     pictures_surface,
     pictures_uncertainty,
 )
+from weavecell.report.pictures_style import ORANGE, STEEL
 from weavecell.report.shot import pictures_shot
 from weavecell.results.impact_shapes import Cut
 from weavecell.results.wave_fronts import Front
@@ -379,7 +381,7 @@ def crater(pyplot):
             half_width=1e-3,
             face=0.0,
             share=1.0,
-            crater=xy(rising(3, 1e-3), numbers(3, high=2.0) * 1e-3),
+            crater=xy(rising(3, 1e-3), (numbers(3, high=2.0) - 9.0) * 1e-3),
         )
         for k, title in enumerate(("first", "second"), 1)
     }
@@ -389,8 +391,46 @@ def crater(pyplot):
         assert axes.get_title(loc="left") == title
         assert_allclose(faces.get_array(), block.plastic[:1])
         assert_allclose(axes.lines[0].get_xydata(), 1e3 * block.crater)
+        below, above = axes.get_ylim()
+        assert above < 1e3 * block.crater[:, 1].min()
+        assert below > 1e3 * block.crater[:, 1].max()
         assert_allclose(axes.lines[1].get_xydata(), 1e3 * block.crater * [-1, 1])
     assert figure.axes[-1].get_ylabel() == "effective plastic strain"
+    return None
+
+
+@case(pictures_body.drawings)
+def drawings(pyplot):
+    """Two bodies of two elements, the outer one of the jacket that one of them has."""
+    corners = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+    outline = np.array([[0, 0], [1, 0], [1.5, 0], [0, 9], [1, 8], [1.5, 7]]) * 1e-3
+    bodies = {}
+    for k, (title, jacket) in enumerate((("a bullet", "brass"), ("a pellet", "")), 1):
+        given = Given(
+            places=outline * k,
+            corners=corners,
+            jacketed=np.array([False, bool(jacket)]),
+            radius=1.5e-3 * k,
+            length=9e-3 * k,
+            jacket_thickness=0.5e-3,
+            drawn_mass=7e-3 + 0.1e-3 * k,
+        )
+        bodies[title] = given, f"lead {k}", jacket
+    figure = pictures_body.drawings(pyplot, bodies)
+    orange, grey = (to_rgb(colour) for colour in (ORANGE, STEEL))
+    measures = "3 x 9 mm, 7.1 g", "6 x 18 mm, 7.2 g"
+    for axes, (title, (body, core, jacket)), measure in zip(
+        figure.axes, bodies.items(), measures, strict=True
+    ):
+        assert axes.get_title(loc="left") == f"{title}\n{measure}"
+        right, left = axes.collections
+        expected = 1e3 * (body.places[corners] - [0, body.length])
+        for half, way in ((right, 1), (left, -1)):
+            for element, path in zip(expected, half.get_paths(), strict=True):
+                assert_allclose(path.vertices[:4], element * [way, 1], atol=1e-12)
+            assert_allclose(half.get_facecolor()[:, :3], [grey, orange if jacket else grey])
+        words = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert words == [core, *([f"{jacket}, 0.5 mm"] if jacket else [])]
     return None
 
 
@@ -678,6 +718,27 @@ def compression(pyplot):
     wanted[""] = np.concatenate(wanted[""])
     place = "packs", "pressure [MPa]", "closed since the first load [µm]"
     return pictures_records.draw_compression(pyplot, laws, "packs"), {place: wanted}
+
+
+@case(pictures_records.draw_noses)
+def noses(pyplot):
+    """A line a model in both axes, of one colour; its name stands in the legend of the first."""
+    curves = [
+        (name, rising(4, 1e-6), rising(4, 1e-3), numbers(4, 50.0))
+        for name in ("pinned", "yarns", "solids")
+    ]
+    figure = pictures_records.draw_noses(pyplot, curves, 3e-6, "a patch")
+    assert figure.get_suptitle() == "a patch"
+    in_time, over_way = figure.axes
+    names = [text.get_text() for text in in_time.get_legend().get_texts()]
+    assert names == [name for name, *_ in curves]
+    for (name, t, z, v), first, second in zip(curves, in_time.lines, over_way.lines, strict=False):
+        assert first.get_label() == name
+        assert first.get_color() == second.get_color()
+        assert_allclose(first.get_xydata(), xy(1e6 * np.array(t), v))
+        assert_allclose(second.get_xydata(), xy(1e3 * np.array(z), v))
+    assert_allclose(in_time.lines[-1].get_xdata(), 3.0)
+    return None
 
 
 @case(pictures_records.draw_motion)

@@ -81,9 +81,14 @@ def residual(record: ImpactRecord) -> str:
 
 
 def instant(record: ImpactRecord, t: float) -> str:
-    """Write time and velocity of an instant [s]."""
-    velocity = np.interp(t, record.time, record.velocity)
-    return f"{1e6 * t:.0f} µs after the strike, projectile at {round(float(velocity))} m/s"
+    """Write time and velocity of an instant [s]; of a pack that had left a block by then, when it
+    did."""
+    shown = record.time_of_pack(t)
+    velocity = round(float(np.interp(shown, record.time, record.velocity)))
+    words = f"{1e6 * shown:.0f} µs after the strike, projectile at {velocity} m/s"
+    if shown < t:
+        words = f"{words}; from here on the block goes on alone"
+    return words
 
 
 def _deflection(record):
