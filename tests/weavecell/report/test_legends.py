@@ -724,7 +724,7 @@ def compression(pyplot):
 def noses(pyplot):
     """A line a model in both axes, of one colour; its name stands in the legend of the first."""
     curves = [
-        (name, rising(4, 1e-6), rising(4, 1e-3), numbers(4, 50.0))
+        (name, rising(4, 1e-6), rising(4, 1e-3), numbers(4, high=50.0))
         for name in ("pinned", "yarns", "solids")
     ]
     figure = pictures_records.draw_noses(pyplot, curves, 3e-6, "a patch")
