@@ -74,7 +74,6 @@ _CSV = {  # heading: column of `to_dataframe`, format
 
 # shots beside the bracket that look for mixed outcomes, at most
 LOOKS = 2
-SCATTERS = "the bracket is no error: shots of a pack scatter by some 2 %; --v50-shots 8 gives V50 with its interval"
 NAMES = (
     "critical-velocity.json",
     "shots.csv",
@@ -505,7 +504,9 @@ class CriticalVelocityResult(StudyResult):
         if self.v50 is not None:
             lines[0] = f"{self.title}: {self.v50.words()}"
         elif self.target.setup.plies > 1:
-            lines.append(SCATTERS)
+            way = option("v50_shots", "8")
+            scatter = "the bracket is no error: shots of a pack scatter by some 2 %"
+            lines.append(f"{scatter}; {way} gives V50 with its interval")
         if self.chosen:
             lines.append(self.chosen)
         lines += self._doubt()

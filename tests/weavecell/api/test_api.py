@@ -392,7 +392,7 @@ def test_coupons_as_tables_and_figures(tmp_path):
 
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
-    """Of a set-up and of keywords the same; without scatter V50 is the limit."""
+    """Of a set-up and of keywords the same; without scatter of the yarns V50 is near the limit."""
     panel = {"plies": 2, "ply_gap": "0.1 mm", "opening": "24 mm", "elements_per_crossover": 1}
     search = {"tolerance": "20 m/s", "residual_shots": 1, "scan": False}
     found = wc.critical_velocity("S-720", **search, **panel, end_time="1 us")  # not used
@@ -400,7 +400,8 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     alone = search | {"residual_shots": 0}
     again = wc.critical_velocity(wc.setup("S-720", 300.0, **panel), **alone)
     assert again.bracket == found.bracket
-    assert low < found.critical_velocity < high <= low + 20
+    assert low < high <= low + 20
+    assert found.v50.low < found.critical_velocity < found.v50.high
     assert found.summary()["plies"] == 2
     assert list(found.to_dataframe()["strike_velocity_m_s"]) == sorted(
         s.strike_velocity for s in found.limit.shots

@@ -10,6 +10,7 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from tests.scene_text import impact_scene
 from weavecell.studies import assumed_range, v50
+from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.strengths import draw_aim, draw_factors
 
 fired = []
@@ -29,7 +30,7 @@ def fake_fire(setup, scatter, seed, number, velocity, stride=None):
 
 def fake_limit(setup, tolerance):
     middle = 202.0 * setup.areal_density**0.5 / (1 + setup.projectile.friction)
-    return middle - 0.5 * tolerance, middle + 0.5 * tolerance
+    return Limit(middle - 0.5 * tolerance, middle + 0.5 * tolerance, ())
 
 
 @pytest.fixture(autouse=True)
@@ -117,9 +118,9 @@ def test_the_range_over_what_is_assumed_widens_the_interval():
     assert low == pytest.approx(found.difference.low + around.low - nominal)
     assert high == pytest.approx(found.difference.high + around.high - nominal)
     # apart, each limit would change by far more than their difference
-    of_one = [fake_limit(found.a.target.setup, 0.0)[0]]
+    of_one = [fake_limit(found.a.target.setup, 0.0).velocity]
     slippery = replace(found.a.target.setup.projectile, friction=0.3)
-    of_one.append(fake_limit(replace(found.a.target.setup, projectile=slippery), 0.0)[0])
+    of_one.append(fake_limit(replace(found.a.target.setup, projectile=slippery), 0.0).velocity)
     assert by_friction[1] - by_friction[0] < 0.5 * abs(of_one[0] - of_one[1])
 
 

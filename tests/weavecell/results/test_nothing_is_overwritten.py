@@ -13,7 +13,8 @@ import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from tests.scene_text import impact_scene
-from tests.weavecell.session_runs import RUNS, write_inputs
+from tests.scene_text import toml
+from tests.weavecell.session_runs import RUNS, SCENES, write_inputs
 from weavecell.cli import app
 from weavecell.results import file_list
 
@@ -35,6 +36,7 @@ OTHERS = {
     ),
     "a or b": ("compare S-720 S-728", "difference.json difference.svg a/v50.json report.html"),
     "mesh": ("mesh S-720 --format k,rad", "crossover.k crossover_0000.rad quality.png mesh.json"),
+    "three models": ("patch one-ply.toml", "patch.json patch.csv patch.svg"),
     "patch": ("mesh S-720 --patch 2x2 --format inp", "patch.inp patch.png"),
     "reduce shot": ("reduce shot flight.csv --mass '3 g'", "shot.json motion.csv motion.svg"),
     "reduce compression": (
@@ -72,6 +74,7 @@ def not_computed(monkeypatch):
         "shellfabric.impact.run.run_impact",
         "weavecell.studies.ballistic_limit.shoot",
         "weavecell.studies.biaxial_path.to_strength",
+        "weavecell.studies.small_patch.SmallPatch.strike",
         "weavecell.studies.laboratory_tests.reduce",
         "weavecell.studies.displacement_record.reduce",
         "weavecell.studies.compression_records.laws_of",
@@ -90,6 +93,7 @@ def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_
         write_inputs(name)
     else:
         write_inputs("export")
+    (tmp_path / "one-ply.toml").write_text(toml(SCENES["small"]))
     (tmp_path / "tests.csv").write_text(TESTS)
     (tmp_path / "flight.csv").write_text(FLIGHT)
     (tmp_path / "ply.csv").write_text(PLY)

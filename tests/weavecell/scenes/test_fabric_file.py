@@ -54,7 +54,7 @@ def test_from_a_csv_file(made):
 
 @pytest.mark.parametrize("family", [[], ["--family", "para-aramid"]])
 def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(succeed, values, family):
-    values.write_text(VALUES.replace("1.44", "1.54").replace("90 GPa", "180 GPa"))
+    values.write_text(VALUES.replace("1.44", "1.9").replace("90 GPa", "30 GPa"))
     out = succeed("fabrics", "new", "pbo.toml", "--from", values, *family)
     lines = out.partition("written to pbo.toml\n")[2].splitlines()
     assert (

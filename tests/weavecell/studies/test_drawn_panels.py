@@ -10,6 +10,7 @@ from fabrics import catalogue
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.yarns.model import YarnZone
 from weavecell.studies import inputs, strengths, v50
+from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.inputs import Scatter
 
 # no two spreads are alike
@@ -39,7 +40,7 @@ def test_shots_of_a_study_are_numbered_through_and_see_panels_of_their_own(
         )
 
     monkeypatch.setattr(v50, "fire", fire)
-    monkeypatch.setattr(v50, "deterministic", lambda *_: (95.0, 96.0))
+    monkeypatch.setattr(v50, "deterministic", lambda *_: Limit(95.0, 96.0, ()))
     numbers = lambda inputs: [each for each in inputs[1] if isinstance(each, int | float)]  # noqa: E731
     monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(numbers(inputs)))
     study = v50.study(setup, SCATTER, shots=11, batch=batch, seed=3, folder=tmp_path)

@@ -182,7 +182,7 @@ def test_a_study_whose_shots_give_no_curve_has_a_result(fabric, tmp_path, monkey
         return replace(shot, failure="shot 3: broken") if number == 3 else shot
 
     monkeypatch.setattr(v50, "fire", fire)
-    monkeypatch.setattr(v50, "deterministic", lambda *_: (49.0, 51.0))
+    monkeypatch.setattr(v50, "deterministic", lambda *_: ballistic_limit.Limit(49.0, 51.0, ()))
     # number and velocity of a shot, and the tolerance of the limit
     numbers = lambda inputs: [part for part in inputs[1] if isinstance(part, (int, float))]  # noqa: E731
     monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(numbers(inputs)))
