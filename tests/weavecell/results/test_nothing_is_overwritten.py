@@ -12,8 +12,7 @@ import pytest
 import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import InputError
-from tests.scene_text import impact_scene
-from tests.scene_text import toml
+from tests.scene_text import impact_scene, toml
 from tests.weavecell.session_runs import RUNS, SCENES, write_inputs
 from weavecell.cli import app
 from weavecell.results import file_list
