@@ -103,6 +103,20 @@ class Bricks:
         return found
 
 
+def at_points(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Compute the gradients (m, 8, 8, 3) [1/m] of the shape functions at the 2 x 2 x 2 points of bricks
+    of (m, 8, 3) [m] corners, along e1, e2, e3 at each point, and the volumes (m, 8) [m3]."""
+    gradients = []
+    volumes = []
+    for point in CORNERS / np.sqrt(3):
+        slopes = _slopes(point)
+        jacobian = np.einsum("mac,ai->mci", corners, slopes)
+        frame = _frame(jacobian[:, :, 0], jacobian[:, :, 1])
+        gradients.append(np.einsum("mac,mci->mai", slopes @ np.linalg.inv(jacobian), frame))
+        volumes.append(np.abs(np.linalg.det(jacobian)))
+    return np.stack(gradients, axis=1), np.stack(volumes, axis=1)
+
+
 def _slopes(point):
     """(8, 3) slopes of the shape functions along xi, eta, zeta at a point."""
     factors = 1 + CORNERS * point

@@ -45,7 +45,25 @@ def edges_of(f):
 
 
 @kernel(fastmath={"contract"})
-def damped_stress(f, law, last, per_time, eta, P):
+def fill(P, found):
+    """Fill P : (3, 3) with its columns."""
+    for c in range(3):
+        P[c, 0] = found[0][c]
+        P[c, 1] = found[1][c]
+        P[c, 2] = found[2][c]
+
+
+@kernel(fastmath={"contract"})
+def elastic_stress(f, law, P):
+    """Compute the first Piola-Kirchhoff stress [Pa] without viscosity; f, law and P as in
+    `damped_stress`."""
+    edges = edges_of(f)
+    q1, q2, q3, R = factors(edges[0], edges[1], edges[2])
+    fill(P, columns(q1, q2, q3, R, local_stress(R, law)))
+
+
+@kernel(fastmath={"contract"})
+def damped_stress(f, law, last, per_time, eta, elastic, P):
     """Compute the first Piola-Kirchhoff stress, P[c, i] the component c of P e_i [Pa].
 
     Parameters
@@ -56,6 +74,7 @@ def damped_stress(f, law, last, per_time, eta, P):
         step ago
     per_time : [1/s]
     eta : (2,) [Pa^(1/2) s] of S_22 and S_33, times E_2^(1/2) the viscous moduli
+    elastic : [-] share of the elastic stress: 0 for the viscous stress alone
     P : (3, 3) filled
 
     Returns
@@ -74,11 +93,10 @@ def damped_stress(f, law, last, per_time, eta, P):
     rate3 = (e3 - last[1]) * per_time
     drag2 = eta[0] * root * rate2
     drag3 = eta[1] * root * rate3
-    found = columns(q1, q2, q3, R, (S11, S22 + drag2, S33 + drag3, S12, S13, S23))
-    for c in range(3):
-        P[c, 0] = found[0][c]
-        P[c, 1] = found[1][c]
-        P[c, 2] = found[2][c]
+    S22 = elastic * S22 + drag2
+    S33 = elastic * S33 + drag3
+    S = (elastic * S11, S22, S33, elastic * S12, elastic * S13, elastic * S23)
+    fill(P, columns(q1, q2, q3, R, S))
     return e2, e3, R[0] * R[1] * R[2] * (drag2 * rate2 + drag3 * rate3)
 
 

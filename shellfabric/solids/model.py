@@ -20,7 +20,7 @@ import numpy as np
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from shellfabric.block.hex8 import Bricks
+from shellfabric.block.hex8 import CORNERS, Bricks, at_points
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solids import facet_kernels, step_kernels, tip_kernels
 from shellfabric.solids.mesh import SolidMesh, corners, facet_areas
@@ -91,6 +91,7 @@ class SolidPatch:
             yarns=len(mesh.grids),
             nodes=len(mesh.points),
             bricks=mesh.bricks,
+            points=len(CORNERS) if self.numerics.full_rule else 0,
             bars=sum(self._bars(yarn) for yarn in range(len(mesh.grids))),
             facets=sum(face.facets for face in self._faces()),
             tips=2 * sum(grid.shape[0] for grid in mesh.grids),
@@ -197,17 +198,26 @@ class SolidPatch:
             across = law.K_r * law.E_c
             control = bricks.control((law.E_a * law.Vf0, across, across), law.G)
             density = self.fabric.weave.yarns[family].fibre_density * law.Vf0
+            gradient, volume = at_points(self.mesh.points[corners(grid)])
+            if not self.numerics.full_rule:
+                gradient, volume = gradient[:, :0], volume[:, :0]
             eta = self.numerics.solid_viscosity * np.sqrt(density) * bricks.edges[:, 1:]
             parts.append(
                 {
                     "gradient": bricks.gradient,
                     "volume": bricks.volume,
+                    "point_gradient": gradient,
+                    "point_volume": volume,
                     "twist": bricks.twist,
-                    "control": self.numerics.hourglass * control,
+                    "control": self._hourglass * control,
                     "viscosity": eta,
                 }
             )
         return _joined(parts)
+
+    @property
+    def _hourglass(self):
+        return 0.0 if self.numerics.full_rule else self.numerics.hourglass
 
     def _bar_values(self) -> dict[str, Any]:
         """Lengths and stiffnesses of the bars."""

@@ -16,6 +16,8 @@ class SolidNumerics:
     ----------
     cfl : Courant factor, the time step over its stability bound, which is found anew every few steps
     hourglass : factor on the stiffness of the hourglass control; 1 is that of the full rule at rest
+    full_rule : whether the law is integrated at 2 x 2 x 2 points of a brick, as in the 3D crossover,
+        in place of one point and the hourglass control
     solid_viscosity, fibre_viscosity : damping ratios of the highest mode through a yarn, and along it
     penalty : [Pa/m] of yarns on each other, both passes together, and of the projectile on yarns
     toe : [m] penetration over which the contact stiffness sets in
@@ -30,6 +32,7 @@ class SolidNumerics:
 
     cfl: float = 0.8
     hourglass: float = 1.0
+    full_rule: bool = False
     solid_viscosity: float = 0.1
     fibre_viscosity: float = 0.1
     penalty: float = 1e14

@@ -26,6 +26,10 @@ class SolidRow(Row):
     slack_width = number("-", "fibre strain over which a fibre becomes taut")
     gradient = array("bricks, 8, 3", "1/m", "mean gradients of the shape functions at rest")
     volume = array("bricks", "m3", "at rest")
+    point_gradient = array(
+        "bricks, points, 8, 3", "1/m", "gradients at the points of the full rule; none with one point"
+    )
+    point_volume = array("bricks, points", "m3", "at rest, of these points")
     twist = array("bricks, 4, 3", "m", "hourglass patterns of the corners at rest")
     control = array("bricks, 4, 3", "N/m3", "stiffness of the hourglass control")
     viscosity = array("bricks, 2", "-", "eta of S_22 and S_33 [Pa^(1/2) s]")

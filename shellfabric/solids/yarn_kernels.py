@@ -20,7 +20,7 @@ import numpy as np
 from fabrics import yarn_stress_kernels
 from shellfabric.block.brick_kernels import brick_nodes, hourglass, mean_deformation
 from shellfabric.jit.compile import kernel
-from shellfabric.solids.law_kernels import damped_stress, moduli_bound
+from shellfabric.solids.law_kernels import damped_stress, elastic_stress, moduli_bound
 from shellfabric.surface.vector_kernels import dot, scaled, subtract, three
 
 FOLDED = 0.1  # length of fibres over that at rest
@@ -96,6 +96,12 @@ def brick_folded(f):
     component c of F e_i."""
     if f[0, 0] * f[0, 0] + f[1, 0] * f[1, 0] + f[2, 0] * f[2, 0] < FOLDED * FOLDED:
         return True
+    return inverted(f)
+
+
+@kernel()
+def inverted(f):
+    """Tell whether no volume is left; f as in `brick_folded`."""
     volume = (
         f[0, 0] * (f[1, 1] * f[2, 2] - f[2, 1] * f[1, 2])
         - f[1, 0] * (f[0, 1] * f[2, 2] - f[2, 1] * f[0, 2])
@@ -112,6 +118,25 @@ def yarn_is_cut(patch, yarn):
     return not patch.bar_intact[first : first + bars].all()
 
 
+@kernel()
+def point_inverted(patch, brick, places, f):
+    """Tell whether a brick has no volume left at a point of the full rule; f : (3, 3) scratch."""
+    for q in range(patch.point_volume.shape[1]):
+        mean_deformation(places, patch.point_gradient[brick, q], f)
+        if inverted(f):
+            return True
+    return False
+
+
+@kernel(fastmath={"contract"})
+def add_stress(patch, nodes, b, volume, P):
+    """Add the forces of a stress P that acts over a volume [m3] with the gradients b : (8, 3)."""
+    for a in range(CORNERS):
+        for c in range(3):
+            stress = P[c, 0] * b[a, 0] + P[c, 1] * b[a, 1] + P[c, 2] * b[a, 2]
+            patch.f_solid[nodes[a], c] += volume * stress
+
+
 @kernel(fastmath={"contract"})
 def brick_forces(patch, yarn, dt):
     """Add the internal forces of the bricks of one yarn: those of the law to `f_solid`, those of the
@@ -123,6 +148,7 @@ def brick_forces(patch, yarn, dt):
     places = np.empty((CORNERS, 3))
     own = np.empty((CORNERS, 3))
     f = np.empty((3, 3))
+    F = np.empty((3, 3))
     P = np.empty((3, 3))
     D = np.empty((3, 3))
     H = np.empty((4, 3))
@@ -133,6 +159,8 @@ def brick_forces(patch, yarn, dt):
     if dt > 0.0:
         per_time = 1.0 / dt
     cut = yarn_is_cut(patch, yarn)
+    points = patch.point_volume.shape[1]
+    elastic = 0.0 if points else 1.0
     stored = 0.0
     lost = 0.0
     brick = patch.first_brick[yarn] - 1
@@ -150,25 +178,29 @@ def brick_forces(patch, yarn, dt):
                 b = patch.gradient[brick]
                 mean_deformation(places, b, f)
                 energy = hourglass(f, places, patch.twist[brick], patch.control[brick], H, D, own)
-                if not brick_held(patch, yarn, i, j, k) or (cut and brick_folded(f)):
+                gone = not brick_held(patch, yarn, i, j, k) or (cut and brick_folded(f))
+                if gone or (cut and point_inverted(patch, brick, places, F)):
                     patch.torn[brick] = True
                     patch.failure_energy += energy
                     continue
                 last = (patch.log_stretch[brick, 0], patch.log_stretch[brick, 1])
                 eta = (patch.viscosity[brick, 0], patch.viscosity[brick, 1])
-                e2, e3, loss = damped_stress(f, law, last, per_time, eta, P)
+                e2, e3, loss = damped_stress(f, law, last, per_time, eta, elastic, P)
                 patch.log_stretch[brick, 0] = e2
                 patch.log_stretch[brick, 1] = e3
                 volume = patch.volume[brick]
                 lost += loss * volume * dt
                 stored += energy
+                add_stress(patch, nodes, b, volume, P)
                 for a in range(CORNERS):
-                    n = nodes[a]
                     for c in range(3):
-                        stress = P[c, 0] * b[a, 0] + P[c, 1] * b[a, 1] + P[c, 2] * b[a, 2]
                         shape = D[c, 0] * b[a, 0] + D[c, 1] * b[a, 1] + D[c, 2] * b[a, 2]
-                        patch.f_solid[n, c] += volume * stress
-                        patch.f_other[n, c] += own[a, c] + shape
+                        patch.f_other[nodes[a], c] += own[a, c] + shape
+                for q in range(points):
+                    mean_deformation(places, patch.point_gradient[brick, q], F)
+                    elastic_stress(F, law, P)
+                    volume = patch.point_volume[brick, q]
+                    add_stress(patch, nodes, patch.point_gradient[brick, q], volume, P)
     patch.solid_damping += lost
     patch.hourglass_energy += stored
 
@@ -218,18 +250,29 @@ def add_brick_rows(patch, yarn, rows):
                 for a in range(CORNERS):
                     for c in range(3):
                         places[a, c] = patch.x[nodes[a], c]
-                mean_deformation(places, patch.gradient[brick], f)
-                moduli = moduli_bound(f, law)
                 shape = 0.0
                 for mode in range(4):
                     for c in range(3):
                         shape += CORNERS * patch.control[brick, mode, c]
                 for a in range(CORNERS):
                     rows[nodes[a]] += shape
-                for c in range(3):
-                    size = 0.0
-                    for a in range(CORNERS):
-                        size += abs(patch.gradient[brick, a, c])
-                    size = size * patch.volume[brick] * moduli[c]
-                    for a in range(CORNERS):
-                        rows[nodes[a]] += size * abs(patch.gradient[brick, a, c])
+                b = patch.gradient[brick]
+                if patch.point_volume.shape[1] == 0:
+                    add_point_rows(places, nodes, b, patch.volume[brick], law, f, rows)
+                for q in range(patch.point_volume.shape[1]):
+                    b = patch.point_gradient[brick, q]
+                    add_point_rows(places, nodes, b, patch.point_volume[brick, q], law, f, rows)
+
+
+@kernel()
+def add_point_rows(places, nodes, b, volume, law, f, rows):
+    """Add to rows what one point of a brick gives, with its gradients b : (8, 3); f : (3, 3) scratch."""
+    mean_deformation(places, b, f)
+    moduli = moduli_bound(f, law)
+    for c in range(3):
+        size = 0.0
+        for a in range(CORNERS):
+            size += abs(b[a, c])
+        size = size * volume * moduli[c]
+        for a in range(CORNERS):
+            rows[nodes[a]] += size * abs(b[a, c])

@@ -26,7 +26,7 @@ def gradients(count):
 def stress(f):
     """P of the kernel without viscosity."""
     P = np.empty((3, 3))
-    law_kernels.damped_stress(f, LAW, STILL, 0.0, STILL, P)
+    law_kernels.damped_stress(f, LAW, STILL, 0.0, STILL, 1.0, P)
     return P
 
 
@@ -101,7 +101,7 @@ def test_viscosity_damps_the_highest_mode_by_its_ratio():
     L, density, xi, rate = 1e-4, 1008.0, 0.1, 1e4
     eta = (0.0, xi * np.sqrt(density) * L)
     P = np.empty((3, 3))
-    loss = law_kernels.damped_stress(np.eye(3), LAW, (0.0, -rate * 1e-9), 1e9, eta, P)[2]
+    loss = law_kernels.damped_stress(np.eye(3), LAW, (0.0, -rate * 1e-9), 1e9, eta, 1.0, P)[2]
     E_2 = law_kernels.transverse_modulus(SOLID.Vf0, *(SOLID.Vf0, SOLID.V_c, SOLID.a_E, SOLID.b_E))
     assert P[2, 2] == pytest.approx(xi * L * np.sqrt(E_2 * density) * rate, rel=1e-9)
     assert loss == pytest.approx(P[2, 2] * rate, rel=1e-9)

@@ -7,6 +7,7 @@ pytest.importorskip("gmsh")
 
 from fabrics.base.errors import InputError
 from meshing import crossover
+from shellfabric.block.hex8 import CORNERS
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.solids import step_kernels
 from shellfabric.solids.drawn import draw
@@ -53,6 +54,42 @@ def test_brick_forces_equal_a_slow_twin(model):
     assert row.f_solid == pytest.approx(expected, rel=1e-8, abs=1e-9 * np.abs(expected).max())
 
 
+def test_the_full_rule_sums_the_law_over_eight_points():
+    """Gradients by differences of the trilinear map, in the place of those of the shape functions."""
+    numerics = SolidNumerics(full_rule=True)
+    model = SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC, numerics=numerics, failure=False)
+    x = distorted(model)
+    row = apart(model, x)
+    expected = np.zeros_like(x)
+    for yarn, grid in enumerate(model.mesh.grids):
+        for nodes in corners(grid):
+            rest = model.mesh.points[nodes]
+            for point in CORNERS / np.sqrt(3):
+                slopes = shape_slopes(point)
+                to_rest = rest.T @ slopes
+                frame = np.linalg.qr(to_rest[:, :2])[0]
+                frame = frame * np.sign(np.sum(frame * to_rest[:, :2], axis=0))
+                frame = np.column_stack([frame, np.cross(frame[:, 0], frame[:, 1])])
+                gradient = slopes @ np.linalg.inv(to_rest) @ frame
+                P = plain_stress(x[nodes].T @ gradient, row.law[yarn])
+                expected[nodes] += abs(np.linalg.det(to_rest)) * gradient @ P.T
+    assert row.hourglass_energy == 0
+    assert row.f_solid == pytest.approx(expected, rel=1e-7, abs=1e-8 * np.abs(expected).max())
+
+
+def shape_slopes(point, step=1e-4):
+    """(8, 3) central differences of the trilinear shape functions; exact, as each is linear in each
+    direction."""
+    found = np.empty((8, 3))
+    for i in range(3):
+        ends = []
+        for sign in (1, -1):
+            there = point + sign * step * np.eye(3)[i]
+            ends.append(np.prod(1 + CORNERS * there, axis=1) / 8)
+        found[:, i] = (ends[0] - ends[1]) / (2 * step)
+    return found
+
+
 def test_forces_of_bars_and_hourglass_control_are_the_slope_of_their_energy(model):
     x = distorted(model)
     row = apart(model, x)
@@ -93,9 +130,11 @@ def test_the_mass_is_that_of_the_fibres(quarter):
     assert model.row().mass.sum() / model.mesh.share == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_frequency_bound_holds():
+@pytest.mark.parametrize("full_rule", [False, True])
+def test_the_frequency_bound_holds(full_rule):
     """No motion of the nodes is stiffer over its mass than the bound, friction and damping left out."""
-    model = SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC, failure=False)
+    numerics = SolidNumerics(full_rule=full_rule)
+    model = SolidPatch(SolidMesh.of(woven((1, 1))), FABRIC, numerics=numerics, failure=False)
     x = distorted(model)
     row = apart(model, x)
     bound = step_kernels.highest_frequency(row)[0]
