@@ -27,7 +27,9 @@ class SolidRow(Row):
     gradient = array("bricks, 8, 3", "1/m", "mean gradients of the shape functions at rest")
     volume = array("bricks", "m3", "at rest")
     point_gradient = array(
-        "bricks, points, 8, 3", "1/m", "gradients at the points of the full rule; none with one point"
+        "bricks, points, 8, 3",
+        "1/m",
+        "gradients at the points of the full rule; none with one point",
     )
     point_volume = array("bricks, points", "m3", "at rest, of these points")
     twist = array("bricks, 4, 3", "m", "hourglass patterns of the corners at rest")
