@@ -222,6 +222,8 @@ def sample_fabric(draw, name):
         "gamma1": round(angle, 3),
         "gamma2": round(angle + draw.uniform(0.1, 0.6), 3),
     }
+    # the assumed one is at most a spacing, with which meshes of the finest weaves take minutes
+    found["failure_length"] = "0.75 mm"
     # yarns of no known fibre have none assumed
     found["solid"] = {family: dict(_SOLID) for family in ("warp", "weft")}
     return found

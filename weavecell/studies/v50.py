@@ -192,12 +192,14 @@ def fire(
 
 def deterministic(setup: ImpactSetup, tolerance: float) -> Limit:
     """Search the limit of `ballistic_limit.critical_velocity` without scatter, on the part that the
-    set-up models."""
+    set-up models; its shots have no wall time, so that what is kept of a study is the same to the
+    bit wherever it was computed."""
     # runs of a study share the processors: one thread each
     numerics = replace(setup.numerics, threads=1)
-    return ballistic_limit.critical_velocity(
+    found = ballistic_limit.critical_velocity(
         replace(setup, numerics=numerics).target(), tolerance=tolerance
     )
+    return replace(found, shots=tuple(replace(shot, wall_time=0.0) for shot in found.shots))
 
 
 def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
