@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import shutil
+import sys
 from html import escape
 from math import isnan, pi
 from pathlib import Path
@@ -88,7 +89,8 @@ def format_for_terminal(table: DataFrame, title: str = "") -> str:
             shown.add_column(AsItIs(str(name)), overflow="fold", no_wrap=is_name)
     for row in rows.itertuples(index=False):
         shown.add_row(*(AsItIs(_cell(value)) for value in row))
-    console = Console(force_jupyter=False)
+    # a notebook keeps text and asks for colours: marks of bold would be kept with it
+    console = Console(force_jupyter=False, force_terminal=sys.stdout.isatty())
     with console.capture() as printed:
         console.print(shown)
     return printed.get().rstrip("\n")

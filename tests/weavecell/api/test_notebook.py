@@ -61,6 +61,12 @@ def test_inputs_print_in_a_few_lines_and_lists_are_tables():
         assert all(f"<th>{name}</th>" in table._repr_html_() for name in table.index)
 
 
+def test_tables_have_marks_of_bold_in_a_terminal_only(monkeypatch):
+    """A notebook asks for colours and keeps the text: 7 kB of marks in one tutorial."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "\x1b" not in repr(wc.show("S-720"))
+
+
 @pytest.mark.parametrize("path", TUTORIALS)
 def test_a_tutorial_keeps_small_outputs(path):
     assert path.stat().st_size < 100_000

@@ -203,6 +203,8 @@ def test_failed_yarns_keep_their_colour_in_a_movie(tmp_path):
 
 
 def test_a_projectile_at_rest_has_no_sign():
-    record = SimpleNamespace(time=np.array([0.0, 1e-4]), velocity=np.array([90.0, -0.2]))
+    record = SimpleNamespace(
+        time=np.array([0.0, 1e-4]), velocity=np.array([90.0, -0.2]), time_of_pack=float
+    )
     caption = view.Panel.caption(SimpleNamespace(record=record), 1e-4)
     assert caption == "100 µs after the strike, projectile at 0 m/s"
