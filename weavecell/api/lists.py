@@ -93,7 +93,7 @@ def format_for_terminal(table: DataFrame, title: str = "") -> str:
     console = Console(force_jupyter=False, force_terminal=sys.stdout.isatty())
     with console.capture() as printed:
         console.print(shown)
-    return printed.get().rstrip("\n")
+    return "\n".join(line.rstrip() for line in printed.get().rstrip("\n").split("\n"))
 
 
 def _cell(value):
