@@ -206,7 +206,8 @@ def critical_velocity(
         searches = 1
         if over is not None:
             searches += ranges.searches(over)
-        size = StudySize.estimate(panel.setup, panel.title, fired, searches)
+        width = width or limits.usual_tolerance(panel.setup.target())
+        size = StudySize.estimate(panel.setup, panel.title, fired, searches, tolerance=width)
         return size.with_choice(setup, fired)  # type: ignore[return-value]
     beside: dict[str, Any] = {"tolerance": width, **how.pool}
     fired_at = inputs.use_one_thread(setup, strike_velocity=1.0)

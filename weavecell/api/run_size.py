@@ -6,15 +6,16 @@ S-726 and S-728, clay and gelatine; 60 to 600 us): intact plies cost the lower v
 to the higher. A run ends earlier where the projectile stops or has passed.
 
 A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess
-of the limit takes over half of the opening. These factors and the number of shots of a search are
-estimates, looked at beside one run of `v50`: 4.7 to 70 s for 18 s.
+of the limit takes over half of the opening. These factors and the shots that enclose a limit are
+estimates, looked at beside one run of `v50`: 4.7 to 70 s for 18 s. A search then halves its first
+step until the bracket is as narrow as is asked.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, log2
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -40,9 +41,10 @@ OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
 OF_A_SOLID = 1.0e-6, 1.3e-6  # hexahedron of woven solid yarns, with its bars and contacts
 # steps over those by which a fibre wave goes through a hexahedron: pressed ones are stiffer
 SOLID_STEPS = 2.0, 3.2
-# estimates: of the time over half of the opening, and of the shots that a search to 1 m/s fires
+# estimates: of the time over half of the opening, and of the shots until a limit is enclosed
 DURATION = 0.2, 1.0
-SHOTS_OF_A_SEARCH = 9
+ENCLOSES = 2.5
+WIDTH = 1.0  # [m/s] of the bracket of a search, where it is not given
 # [s] a forecast of more says what it grows with, and of a study what spreads it
 LONG = 600.0
 GROWTH = (
@@ -85,6 +87,16 @@ def size_of(
     with resolved.name_problems():
         lines = list_assumptions(resolved.setup)
         return RunSize.estimate(resolved.setup, resolved.shot_title, lines, written=written)
+
+
+def shots_of_a_search(setup: ImpactSetup, tolerance: float = WIDTH) -> int:
+    """Estimate the shots of a search for a limit: those that enclose it, and the halvings of the
+    first step down to the tolerance [m/s]."""
+    from weavecell.studies.ballistic_limit import first_guess
+    from weavecell.studies.bracket import STEP
+
+    first_step = (STEP - 1) * first_guess(setup.target())
+    return ceil(ENCLOSES + max(log2(first_step / tolerance), 0.0))
 
 
 class _Size(Result):
@@ -211,7 +223,7 @@ class StudySize(_Size):
     ----------
     title : of the study
     shots : number, about, with those of its searches
-    searches : of a limit, of SHOTS_OF_A_SEARCH shots each
+    searches : of a limit, of `shots_of_a_search` each
     cpu_time : (lowest, highest) [s]
     of_range : shots that the range over what is assumed adds, with those of its searches
     resolved : size of the same with resolved yarns, which is added if the checks ask for them; None
@@ -221,7 +233,7 @@ class StudySize(_Size):
     --------
     >>> size = wc.critical_velocity("S-720", residual_shots=0, scan=False, opening="50 mm", check=True)
     >>> size.shots, size.searches
-    (9, 1)
+    (8, 1)
     """
 
     title: str
@@ -233,10 +245,22 @@ class StudySize(_Size):
 
     @classmethod
     def estimate(
-        cls, setup: ImpactSetup, title: str, shots: int, searches: int = 0, repeats: int = 0
+        cls,
+        setup: ImpactSetup,
+        title: str,
+        shots: int,
+        searches: int = 0,
+        repeats: int = 0,
+        tolerance: float = WIDTH,
     ) -> StudySize:
-        """Estimate the size of shots and searches at a set-up; all searches but the first, and
-        `repeats` of the shots, are of the range over what is assumed.
+        """Estimate the size of shots and searches at a set-up.
+
+        All searches but the first, and `repeats` of the shots, are of the range over what is
+        assumed.
+
+        Parameters
+        ----------
+        tolerance : [m/s] of the searches
 
         Raises
         ------
@@ -244,12 +268,13 @@ class StudySize(_Size):
         """
         from weavecell.studies.ballistic_limit import first_guess
 
-        shots += SHOTS_OF_A_SEARCH * searches
+        of_a_search = shots_of_a_search(setup, tolerance)
+        shots += of_a_search * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
         to_its_end = RunSize.estimate(setup, title, ()).cpu_time
         of_a_shot = crossing / setup.end_time
         low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
-        of_range = SHOTS_OF_A_SEARCH * max(searches - 1, 0) + repeats
+        of_range = of_a_search * max(searches - 1, 0) + repeats
         return cls(title, shots, searches, (low, high), of_range)
 
     def with_choice(self, setup: ImpactSetup, shots: int) -> StudySize:

@@ -19,7 +19,7 @@ from weavecell.api import quantities, study_run
 from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import save_to
-from weavecell.api.run_size import SHOTS_OF_A_SEARCH, StudySize
+from weavecell.api.run_size import StudySize, shots_of_a_search
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
@@ -172,7 +172,8 @@ def v50(
 
         result = save_to(result_of(study), run.folder)
         if over is not None:
-            share = (SHOTS_OF_A_SEARCH * searches + shots * repeats) / (SHOTS_OF_A_SEARCH + shots)
+            of_a_search = shots_of_a_search(panel.setup)
+            share = (of_a_search * searches + shots * repeats) / (of_a_search + shots)
             cost = f"{searches} searches and {shots * repeats} shots, about {share * run.wall_time:.2g} s"
             logging.getLogger("weavecell").info(f"range over what is assumed: at most {cost}")
             ends = analysis.run_assumed_range(

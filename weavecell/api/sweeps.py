@@ -73,7 +73,7 @@ def sweep(
     *,
     over: list[str] | Mapping[str, Sequence[Any]] | None = None,
     quantity: str = "shot",
-    tolerance: float | str = "1 m/s",
+    tolerance: float | str | None = None,
     shots: int = 60,
     seed: int = 1,
     one_at_a_time: bool = False,
@@ -101,7 +101,8 @@ def sweep(
         failure_length, whose values are factors on that number of all fabrics
     quantity : what is computed of each: shot, critical-velocity or v50
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most
-        [m/s]
+        [m/s]; if not given by 1 m/s of one ply, about 5 % of a pack, whose result is V50 with its
+        interval
     shots : of a V50, number of shots
     seed : of a V50, of all that is drawn
     one_at_a_time : compute the input file as it is, and then each value alone, in place of all
@@ -136,7 +137,9 @@ def sweep(
     from weavecell.studies import inputs, strengths, v50
     from weavecell.studies import sweep as studies
 
-    width = quantities.read_positive(tolerance, "m/s", "tolerance")
+    width = None
+    if tolerance is not None:
+        width = quantities.read_positive(tolerance, "m/s", "tolerance")
     if quantity not in list(studies.QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}"
@@ -171,14 +174,7 @@ def sweep(
         for panel in panels:
             strengths.check(panel.setup, inputs.read_scatter())
     if check:
-        fired, searches = {"shot": (1, 0), "critical-velocity": (LOOKS, 1)}.get(
-            quantity, (shots, 1)
-        )
-        part = {}
-        if quantity == "v50":
-            part = {"symmetry": "whole"}
-        setups = [replace(panel.setup, **part) for panel in panels]
-        sizes = [StudySize.estimate(setup, setup.title, fired, searches) for setup in setups]
+        sizes = [_forecast(panel.setup, quantity, shots, width) for panel in panels]
         return StudySize.add_up(f"{len(panels)} x {quantity}", sizes)
     arguments = [(inputs.use_one_thread(panel.setup), quantity, width) for panel in panels]
     with study_run.begin_study(
@@ -199,6 +195,20 @@ def sweep(
             table.append(dict.fromkeys(keys) | changes | areal_density | row)
         result = SweepTable(quantity, tuple(keys), tuple(table), tuple(panels), one_at_a_time)
         return save_to(result, run.folder)
+
+
+def _forecast(setup, quantity, shots, width):
+    """The StudySize of a row; `shots` of a V50, `width` [m/s] of the bracket of a limit or None."""
+    from weavecell.studies import pack_limit
+    from weavecell.studies.limit import usual_tolerance
+
+    if quantity == "shot":
+        return StudySize.estimate(setup, setup.title, 1)
+    if quantity == "v50":
+        return StudySize.estimate(replace(setup, symmetry="whole"), setup.title, shots, 1)
+    beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
+    width = width or usual_tolerance(setup.target())
+    return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width)
 
 
 def _combinations(keys, one_at_a_time):
@@ -401,7 +411,7 @@ class SweepTable(StudyResult):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
-        from weavecell.studies.sweep import MIXED, QUANTITIES
+        from weavecell.studies.sweep import INTERVAL, MIXED, QUANTITIES
 
         quantity = QUANTITIES[self.quantity]
         lines = []
@@ -411,7 +421,7 @@ class SweepTable(StudyResult):
                 words = row["outcome"]
             else:
                 words = f"{value:.1f} m/s, {row['outcome']}"
-            if row["outcome"] == MIXED:
+            if row["outcome"] in (INTERVAL, MIXED):
                 words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
             doubt = ""
             if row.get("checks", "").startswith("doubtful"):

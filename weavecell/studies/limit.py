@@ -12,6 +12,8 @@ import numpy as np
 
 from fabrics.base.checks import FilePath
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.membrane.model import Panel
+from shellfabric.plies.model import Pack
 from weavecell.studies import ballistic_limit, lambert_jonas, limit_scan, pack_limit
 from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.lambert_jonas import LambertJonas
@@ -20,6 +22,9 @@ from weavecell.studies.limit_scan import ScanRange
 # strike velocities of the first and last residual shot, over the velocity above which all shots
 # perforate
 RESIDUAL_SHOTS = 1 + limit_scan.LOOK, 2.0
+
+# [m/s] width of the bracket of one ply where none is asked for
+WIDTH = 1.0
 
 # called with a title; a context whose value is called as report(share of the work done, Shot or
 # None)
@@ -60,7 +65,7 @@ def search(
     Parameters
     ----------
     setup : ImpactSetup of any strike velocity
-    tolerance : see `ballistic_limit.critical_velocity`; None takes that of a pack
+    tolerance : see `ballistic_limit.critical_velocity`; None takes `usual_tolerance`
     v50_shots : number of shots a little above the bracket, for `pack_limit`
     residual_shots : number of shots above the limit
     scan : range about the bracket that is scanned for mixed outcomes; None for no scan
@@ -76,7 +81,7 @@ def search(
     """
     panel = setup.target()
     if tolerance is None:
-        tolerance = pack_limit.BRACKET * ballistic_limit.first_guess(panel)
+        tolerance = usual_tolerance(panel)
     beside["kept"] = ballistic_limit.KeptShots(folder, setup)
     with stage(f"{setup.title}, critical velocity") as advance:
         limit = ballistic_limit.critical_velocity(
@@ -105,6 +110,17 @@ def search(
             shots = ballistic_limit.shoot(panel, strikes, report=advance, **beside)
             limit = limit_scan.with_shots(limit, shots)
     return LimitStudy(limit, residual_fit(limit), scan)
+
+
+def usual_tolerance(panel: Panel | Pack) -> float:
+    """Return the width [m/s] of the bracket of a panel or pack where none is asked for.
+
+    Shots of a pack scatter, so that its bracket only says where the shots of its V50 begin.
+    """
+    plies = Pack.of(panel).plies
+    if len(plies) == 1:
+        return WIDTH
+    return pack_limit.BRACKET * ballistic_limit.first_guess(panel)
 
 
 def residual_fit(limit: Limit) -> LambertJonas:

@@ -11,11 +11,12 @@ from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane import quality
-from weavecell.studies import inputs, v50
+from weavecell.studies import inputs, pack_limit, v50
 from weavecell.studies import limit as limits
 from weavecell.studies.limit_scan import ScanRange
 
 MIXED = "mixed outcomes"
+INTERVAL = f"{100 * pack_limit.CONFIDENCE:g} % interval"
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ QUANTITIES = {
 
 
 def row(
-    setup: ImpactSetup, quantity: str, tolerance: float = 1.0, **options: Any
+    setup: ImpactSetup, quantity: str, tolerance: float | None = None, **options: Any
 ) -> dict[str, Any]:
     """Compute the row of a set-up; one that cannot be computed says why in "outcome".
 
@@ -46,7 +47,7 @@ def row(
     ----------
     setup : ImpactSetup
     quantity : of `QUANTITIES`
-    tolerance : [m/s] of the bracket of a critical velocity
+    tolerance : [m/s] of the bracket of a critical velocity; None takes `limit.usual_tolerance`
     options : of a V50, see `v50.study`
     """
     try:
@@ -89,10 +90,38 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
     }
 
 
-def critical_velocity(setup: ImpactSetup, tolerance: float) -> dict[str, Any]:
-    """Search the critical velocity, in its bracket, or the zone of mixed outcomes if the shots of
-    the search show one, which is then scanned."""
+def critical_velocity(setup: ImpactSetup, tolerance: float | None = None) -> dict[str, Any]:
+    """Search the critical velocity.
+
+    Of one ply it is in its bracket, or in the zone of mixed outcomes if the shots of the search
+    show one, which is then scanned. Of a pack it is V50 with its interval (`pack_limit`), or the
+    bracket if too few shots perforate.
+    """
+    if setup.plies > 1:
+        return _v50_of_pack(setup, tolerance)
     limit = limits.search(setup, tolerance=tolerance, scan=ScanRange(), only_mixed=True).limit
+    return _bracketed(limit)
+
+
+def _v50_of_pack(setup, tolerance):
+    """Row of the V50 of a pack, of the shots that `api.limits` fires."""
+    limit = limits.search(setup, tolerance=tolerance, v50_shots=pack_limit.SHOTS, scan=None).limit
+    found = pack_limit.of_shots(limit.shots)
+    if found is None:
+        return _bracketed(limit)
+    return {
+        "outcome": INTERVAL,
+        "critical_velocity_m_s": found.velocity,
+        "lower_m_s": found.low,
+        "upper_m_s": found.high,
+        "spread_m_s": found.spread,
+        "shots": len(limit.shots),
+        "checks": _with_reasons(quality.worst(shot.checks for shot in limit.shots)),
+    }
+
+
+def _bracketed(limit):
+    """Row of a limit in its bracket, or in its zone of mixed outcomes."""
     low, high = limit.mixed_zone or (limit.low, limit.high)
     return {
         "outcome": "single limit" if limit.single else MIXED,

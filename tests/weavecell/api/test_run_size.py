@@ -8,8 +8,10 @@ import weavecell as wc
 from shellfabric.impact.run import run_impact_or_partial
 from tests.scene_text import impact_scene
 from weavecell.api import run_size
-from weavecell.api.run_size import SHOTS_OF_A_SEARCH
+from weavecell.api.run_size import shots_of_a_search
 from weavecell.studies import assumed_range
+from weavecell.studies.ballistic_limit import first_guess
+from weavecell.studies.bracket import Bracket
 
 PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"}
 
@@ -37,7 +39,7 @@ def test_the_command_writes_nothing(succeed, tmp_path):
 
 def test_the_forecast_of_a_v50_counts_its_shots_and_a_search():
     plain = wc.v50("S-720", shots=20, opening="50 mm", check=True)
-    assert plain.shots == 20 + SHOTS_OF_A_SEARCH
+    assert plain.shots == 20 + shots_of_a_search(wc.setup("S-720", 100.0))
     assert plain.searches == 1
 
 
@@ -45,23 +47,48 @@ def test_the_forecast_of_a_v50_with_a_range_counts_six_times_the_shots_and_two_s
     ends = sum(map(len, assumed_range.changes(wc.setup("S-720", 1.0, opening="50 mm")).values()))
     whole = wc.v50("S-720", shots=20, assumed_range=True, opening="50 mm", check=True)
     assert whole.searches == 1 + ends + 2
-    assert whole.shots == 7 * 20 + SHOTS_OF_A_SEARCH * whole.searches
+    of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
+    assert whole.shots == 7 * 20 + of_a_search * whole.searches
 
 
 def test_the_forecast_of_a_limit_counts_residual_shots_and_scan():
+    of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
     limit = wc.critical_velocity("S-720", opening="50 mm", check=True)
-    assert limit.shots == SHOTS_OF_A_SEARCH + 2 + 2
+    assert limit.shots == of_a_search + 2 + 2
     more = {"residual_shots": 8, "scan": True}
     limit = wc.critical_velocity("S-720", opening="50 mm", check=True, **more)
-    assert limit.shots == SHOTS_OF_A_SEARCH + 8 + 18
+    assert limit.shots == of_a_search + 8 + 18
     assert 0 < limit.cpu_time[0] < limit.cpu_time[1]
+
+
+@pytest.mark.parametrize("guess", [0.8, 0.97, 1.15, 1.4])
+@pytest.mark.parametrize("tolerance", [0.7, 3.0, 11.0])
+def test_the_forecast_of_a_search_is_within_two_shots_of_what_bisection_fires(guess, tolerance):
+    """A limit beside the first guess, above and below it, is enclosed and halved."""
+    setup = wc.setup("S-720", 100.0)
+    first = first_guess(setup.target())
+    limit = guess * first
+    found = Bracket(first, 1.0, 1000.0)
+    fired = 0
+    while not found.width <= tolerance:
+        found = found.update(found.next() > limit)
+        fired += 1
+    assert abs(fired - shots_of_a_search(setup, tolerance)) <= 2
+
+
+def test_the_forecast_of_a_limit_of_a_pack_counts_the_shots_of_its_v50():
+    """The mean of four surrogates is 12.5 shots (docs/reports/packs.md)."""
+    pack = wc.critical_velocity("S-720", plies=4, opening="50 mm", check=True)
+    assert pack.shots == 8 + 5
+    narrow = wc.critical_velocity("S-720", plies=4, opening="50 mm", check=True, tolerance="1 m/s")
+    assert narrow.shots > pack.shots + 2
 
 
 def test_the_forecast_of_a_sweep_is_the_sum_over_its_rows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     over = {"panel.plies": [1, 2]}
     swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
-    assert swept.shots == 2 * (SHOTS_OF_A_SEARCH + 2)
+    assert swept.shots == shots_of_a_search(wc.setup("S-720", 100.0)) + 2 + 8 + 5
     assert swept.searches == 2
     assert not list(tmp_path.iterdir())
 
@@ -87,7 +114,8 @@ def test_a_forecast_tells_the_shots_of_the_study_from_those_of_the_range():
     alone = wc.v50("S-720", shots=12, check=True)
     assert alone.of_range == 0
     assert "range" not in str(alone)
-    assert size.shots - size.of_range == alone.shots == 12 + 9
+    of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
+    assert size.shots - size.of_range == alone.shots == 12 + of_a_search
     assert f"{alone.shots} of these shots are the study itself, {size.of_range} the range" in str(
         size
     )

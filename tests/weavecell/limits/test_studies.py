@@ -3,6 +3,7 @@
 import re
 import shutil
 from dataclasses import replace
+from types import SimpleNamespace as Given
 
 import pytest
 
@@ -17,6 +18,7 @@ from weavecell.report.shot import chapters_shot
 from weavecell.results import progress
 from weavecell.scenes import honoured
 from weavecell.studies import limit as limits
+from weavecell.studies import pack_limit
 from weavecell.studies import sweep as analysis
 from weavecell.studies.ballistic_limit import Limit, Shot
 
@@ -29,15 +31,58 @@ def test_a_row_of_mixed_outcomes_has_the_zone_and_no_velocity(monkeypatch):
     ]
     found = Limit(100.0, 101.0, tuple(shots))
     monkeypatch.setattr(limits, "search", lambda *_, **__: type("Search", (), {"limit": found}))
-    row = analysis.critical_velocity(None, 1.0)
+    one_ply = Given(plies=1)
+    row = analysis.critical_velocity(one_ply, 1.0)
     assert row["outcome"] == analysis.MIXED
     assert row["critical_velocity_m_s"] is None
     assert row["lower_m_s"] == 95.0
     assert row["upper_m_s"] == 100.0
     found = Limit(100.0, 101.0, (shots[0], shots[-1], shots[2]))
-    row = analysis.critical_velocity(None, 1.0)
+    row = analysis.critical_velocity(one_ply, 1.0)
     assert row["outcome"] == "single limit"
     assert row["critical_velocity_m_s"] == 100.5
+
+
+def test_a_row_of_a_pack_is_its_v50_with_the_interval_and_of_few_perforations_the_bracket(
+    monkeypatch,
+):
+    """Outcomes of a pack may mix: V50 stands for them, by the same shots as its own command."""
+    asked = []
+    left = {95.0: 0.0, 100.0: 31.0, 103.0: 0.0, 106.0: 47.0, 109.0: 60.0, 113.0: 71.0}
+    fired = [
+        Shot(v, r, "perforated" if r else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.1)
+        for v, r in left.items()
+    ]
+
+    def search(setup, **options):
+        asked.append(options)
+        return Given(limit=Limit(95.0, 100.0, tuple(fired[: options["v50_shots"]])))
+
+    monkeypatch.setattr(limits, "search", search)
+    row = analysis.critical_velocity(Given(plies=3), 4.0)
+    assert asked == [{"tolerance": 4.0, "v50_shots": pack_limit.SHOTS, "scan": None}]
+    found = pack_limit.of_shots(fired)
+    assert row["outcome"] == "95 % interval"
+    assert (row["critical_velocity_m_s"], row["lower_m_s"], row["upper_m_s"]) == (
+        found.velocity,
+        found.low,
+        found.high,
+    )
+    assert row["spread_m_s"] == found.spread
+    assert row["shots"] == 6
+    del fired[3:]
+    row = analysis.critical_velocity(Given(plies=3))
+    assert row["outcome"] == analysis.MIXED
+    assert (row["lower_m_s"], row["upper_m_s"]) == (100.0, 103.0)
+
+
+def test_a_sweep_prints_the_interval_of_a_pack():
+    rows = (
+        {"panel.plies": 2, "outcome": analysis.INTERVAL, "critical_velocity_m_s": 233.44}
+        | {"lower_m_s": 228.26, "upper_m_s": 239.71, "checks": "ok"},
+    )
+    table = SweepTable("critical-velocity", ("panel.plies",), rows, ())
+    assert table.lines() == ["panel.plies = 2: 233.4 m/s, 95 % interval from 228.3 to 239.7 m/s"]
 
 
 def test_progress_without_a_terminal(monkeypatch, capsys):

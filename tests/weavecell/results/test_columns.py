@@ -141,7 +141,7 @@ def test_a_limit_knows_its_ends_and_its_shots():
 def test_a_row_of_a_critical_velocity(monkeypatch):
     found = Given(limit=Limit(80.0, 95.0, SHOTS))
     monkeypatch.setattr(sweep.limits, "search", lambda *_, **__: found)
-    row = sweep.critical_velocity(None, 1.0)
+    row = sweep.critical_velocity(Given(plies=1), 1.0)
     wanted = {"critical_velocity_m_s": 87.5, "lower_m_s": 80.0, "upper_m_s": 95.0, "shots": 4}
     assert {key: row[key] for key in wanted} == wanted
     assert row["outcome"] == "single limit"
