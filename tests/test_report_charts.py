@@ -11,7 +11,7 @@ def charts(tool):
 
 def test_pictures_are_of_the_files_as_they_are(charts):
     """Else: python tools/figures.py --only reports"""
-    for name in (*charts.COSTS, *charts.MAPS):
+    for name in (*charts.COSTS, *charts.MODELS, *charts.MAPS):
         assert charts.digest_in(charts.FIGURES / f"{name}.png") == charts.digest_of(name), name
 
 
@@ -19,6 +19,24 @@ def test_every_study_of_cost_and_every_map_has_its_chart(charts):
     studies = {path.stem for path in charts.STUDIES.glob("*.toml")}
     assert {name for name in studies if name.startswith("cost-")} <= set(charts.COSTS)
     assert {name for name in studies if name.startswith("stability-")} == set(charts.MAPS)
+
+
+def test_models_stand_at_the_times_of_their_runs(charts):
+    """Marks are at the CPU time of the row and of Table 4-3 over crossovers and us, models in the order of the file."""
+    (name,) = charts.MODELS
+    rows = charts.read(name)[1]
+    axes = charts.draw(name).axes[0]
+    own, theirs = (line for line in axes.lines if line.get_label()[0] != "_")
+    expected = [float(row["CPU time [s]"]) / (20 * 20 * 42.0) for row in rows]
+    assert own.get_xdata() == pytest.approx(expected, rel=1e-4)
+    assert theirs.get_xdata() == pytest.approx(
+        [1243 / 6241 / 250, 1932 / 6241 / 250, 3 * 157424 / 400 / 42]
+    )
+    names = dict(zip(axes.get_yticks(), (text.get_text() for text in axes.get_yticklabels())))
+    assert [names[y] for y in own.get_ydata()] == [
+        charts.OF_MODELS[row["model"]][0] for row in rows
+    ]
+    assert "woven solids" == names[theirs.get_ydata()[-1]]
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -1,4 +1,4 @@
-"""Charts of the reports that a reader of the repository sees: cost against error, and maps of stability.
+"""Charts of the reports that a reader of the repository sees: cost against error, models, and maps of stability.
 
 Each is drawn from a CSV in docs/reports/data to a PNG in docs/figures: `python tools/figures.py --only reports`. The
 file says of which content it was made (`digest_of`), which a test compares with the CSV.
@@ -6,6 +6,9 @@ file says of which content it was made (`digest_of`), which a test compares with
 Cost against error. Every method of a study is a point; the methods that none beats in cost and in the error of an
 axis are the front, numbered and named beside the chart. The default is marked, and the error of the reference, which
 an error below it cannot be told from, is a line.
+
+Models. Each model of one panel is a row: its CPU time for one crossover and 1 us, beside that of the thesis's model of
+the kind.
 
 Maps. Every run of a study with a [map] is a mark over two parameters of the method. Its colour and its shape say
 whether the run was stable, wrong without a message, or ended with one. An open mark is flagged by a quality check.
@@ -47,6 +50,7 @@ TITLES = {
     "cost-biaxial-coupon": "Coupon: biaxial tension",
     "cost-struck-yarn": "One struck yarn",
     "cost-peers": "One ply of S-720, 60 m/s, no failure: other models and another code",
+    "solid-cost": "Models of one panel: CPU time, here and in the thesis",
     "stability-newton": "Newton iteration of the thesis on two heights",
     "stability-bracket": "The bracket of weavecell, same points",
     "stability-printed-law": "The compression law as printed",
@@ -59,8 +63,17 @@ TITLES = {
     "stability-bars": "Fibre bars in the solid yarn",
     "stability-bias": "Bias extension with a softer trellis",
 }
-COSTS = tuple(name for name in TITLES if not name.startswith("stability-"))
+# models of a panel, whose costs are set beside those of the thesis
+MODELS = ("solid-cost",)
+COSTS = tuple(name for name in TITLES if not name.startswith("stability-") and name not in MODELS)
 MAPS = tuple(name for name in TITLES if name.startswith("stability-"))
+# rows of the chart of models: that of the study, what it says, and elements a crossover here and in the thesis
+OF_MODELS = {
+    "cable": ("cable net", "2 bars", "3 cables"),
+    "pinned": ("panel of shells,\npinned crossovers", "16 shells", "1 shell"),
+    "yarns": ("resolved yarns", "2 segments", ""),
+    "solids": ("woven solids", "32 hexahedra", "400 hexahedra"),
+}
 # charts whose every method is named beside its point, since those off the front are what is compared
 ALL_NAMED = ("cost-peers", "cost-bullet")
 # mark and colour of each outcome, and what it says
@@ -68,6 +81,37 @@ OUTCOMES = {
     "stable": ("o", GREEN, "stable: the answer is right"),
     "failed": ("s", ORANGE, "failed: ends with a message"),
     "wrong": ("X", RED, "wrong: ends with a wrong answer"),
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of one ply of S-720 in Table 4-3 of the thesis.
+
+    Parameters
+    ----------
+    seconds : [s] of execution
+    processors : number
+    crossovers : of the part that is meshed
+    microseconds : [us] simulated
+    """
+
+    seconds: float
+    processors: int
+    crossovers: int
+    microseconds: float
+
+    @property
+    def cost(self) -> float:
+        """[s] of CPU time a crossover and us, over all processors."""
+        return self.seconds * self.processors / (self.crossovers * self.microseconds)
+
+
+# models of the study that the thesis has too; 79 x 79 crossovers of a quarter of its panel, and 20 x 20 of solids
+TABLE_4_3 = {
+    "cable": Run(1243.0, 1, 79 * 79, 250.0),
+    "pinned": Run(1932.0, 1, 79 * 79, 250.0),
+    "solids": Run(157424.0, 3, 20 * 20, 42.0),
 }
 PER_LINE = 46  # characters of a name beside a chart
 # lengths of an axis are shown in micrometres if all of them are below a millimetre
@@ -97,7 +141,7 @@ def digest_in(path: Path) -> str:
 
 def write(folder: Path = FIGURES) -> None:
     """Draw all charts to a folder, each a PNG."""
-    for name in (*COSTS, *MAPS):
+    for name in (*COSTS, *MODELS, *MAPS):
         figure = draw(name)
         figure.savefig(
             folder / f"{name}.png", dpi=110, metadata={"Source": digest_of(name), "Software": None}
@@ -109,6 +153,8 @@ def draw(name: str) -> Any:
     with pictures_figure.plots():
         if name in COSTS:
             return _draw_cost(name)
+        if name in MODELS:
+            return _draw_models(name)
         return _draw_map(name)
 
 
@@ -228,6 +274,62 @@ def _plain_decades(axes):
         axis.set_major_locator(LogLocator(subs=steps))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
+
+
+def costs_of_models(name: str) -> dict[str, tuple[float, float | None]]:
+    """Read the CPU times [s] a crossover and us of a study: {model: (here, in the thesis)}, None for a model that the
+    thesis does not have."""
+    found: dict[str, tuple[float, float | None]] = {}
+    for row in read(name)[1]:
+        model = row["model"]
+        theirs = TABLE_4_3[model].cost if model in TABLE_4_3 else None
+        found[model] = 1e-9 * float(row["CPU time [ns per crossover and us]"]), theirs
+    return found
+
+
+def _draw_models(name):
+    costs = costs_of_models(name)
+    figure = Figure(figsize=(9, 4.4), layout="constrained")
+    axes = figure.subplots()
+    places = np.arange(len(costs))[::-1]
+    here = [own for own, _ in costs.values()]
+    axes.plot(here, places, "o", ms=10, color=BLUE, label="here, one core", zorder=3)
+    theirs = [(cost, place) for (_, cost), place in zip(costs.values(), places) if cost]
+    axes.plot(*zip(*theirs), "s", ms=10, color=ORANGE, label="thesis, Table 4-3", zorder=3)
+    for own, (cost, place) in zip((own for own, cost in costs.values() if cost), theirs):
+        axes.plot([own, cost], [place, place], color="#d5dade", lw=2, zorder=1)
+    for (model, pair), place in zip(costs.items(), places):
+        for value, elements in zip(pair, OF_MODELS[model][1:]):
+            if value is not None:
+                _label(axes, _seconds(value), value, place, 9, INK)
+                _label(axes, elements, value, place, -19, "#5b6670")
+    axes.set_yticks(places, [OF_MODELS[model][0] for model in costs])
+    axes.set(
+        xscale="log",
+        xlim=(1e-6, 300),
+        ylim=(-0.55, len(costs) - 0.45),
+        xlabel="CPU time of one crossover for 1 µs, over all processors",
+    )
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: _seconds(value)))
+    axes.grid(axis="x", color="#e6e9ed")
+    axes.set_axisbelow(True)
+    figure.suptitle(TITLES[name], x=0.01, ha="left", fontweight="bold", fontsize=13)
+    figure.legend(loc="outside lower left", ncols=2, fontsize=9)
+    return figure
+
+
+def _label(axes, text, x, y, above, colour):
+    """Write over a mark, or under it, by points."""
+    axes.annotate(
+        text, (x, y), (0, above), textcoords="offset points", ha="center", fontsize=10, color=colour
+    )
+
+
+def _seconds(value):
+    """A time [s] in two digits: "27 µs"."""
+    units = {"µs": 1e-6, "ms": 1e-3, "s": 1.0}
+    unit = [name for name, size in units.items() if value >= 0.9995 * size or name == "µs"][-1]
+    return f"{float(f'{value / units[unit]:.2g}'):g} {unit}"
 
 
 def map_of(name: str) -> tuple[str, str, list[Any] | None]:
@@ -356,6 +458,8 @@ __all__ = [
     "COSTS",
     "FAINT",
     "MAPS",
+    "MODELS",
+    "costs_of_models",
     "digest_in",
     "digest_of",
     "draw",
