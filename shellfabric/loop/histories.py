@@ -23,6 +23,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray, positive, refuse
 from fabrics.base.errors import InputError
+from shellfabric.loop.cone import find_foot
 from shellfabric.loop.hooks import Every
 from shellfabric.loop.snapshots import yarn_tensions
 from shellfabric.membrane.slots import by_node
@@ -113,6 +114,14 @@ class YarnHistory:
     def strain(self) -> FloatArray:
         """(samples, n) [-] of the fibre."""
         return self.tension / self.EA
+
+    @property
+    def cone_radius(self) -> FloatArray:
+        """(samples,) [m] from the impact point to the foot of the cone, on the side of positive places:
+        how far the transverse wave has come; not a number before there is a cone (`cone.find_foot`)."""
+        spacing = self.X[1] - self.X[0]
+        profiles = zip(self.place, self.deflection)
+        return np.array([find_foot(x, z, spacing) for x, z in profiles])
 
     def element_at(self, distance: float) -> int:
         """Find the number of the element that lies nearest a distance [m] from the impact point."""

@@ -395,6 +395,7 @@ OFFERED = (
     *("outcome", "residual_velocity", "strike_velocity", "max_deflection", "absorbed_energy"),
     *("strike_energy", "cut_yarns", "stop_time", "back_face_signature_mm", "peaks", "mass"),
     *("time", "velocity", "deflection", "nose_position", "contact_force", "energies", "plies"),
+    *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
     *("checks_text", "doubtful", "assumed", "assumed_range", "left_out", "wall_time"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,9 @@ from weavecell.report.pictures_style import (
     INK,
     ORANGE,
     RED,
+    WARP,
+    WEFT,
+    legend_beside,
     tension_map,
 )
 from weavecell.results.display import MM, US
@@ -19,6 +22,8 @@ from weavecell.results.display import MM, US
 if TYPE_CHECKING:
     from shellfabric.loop.histories import YarnHistory
 
+# at which the strain along a yarn is drawn
+_INSTANTS = 8
 _WAVES = {"longitudinal": INK, "transverse": RED}
 
 
@@ -96,6 +101,63 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.3), ncols=2, fontsize=10)
     bar = figure.colorbar(image, ax=list(grid), shrink=0.9, pad=0.01, label="tension [N]")
     bar.outline.set_visible(False)
+    return figure
+
+
+def strains(pyplot: Any, t: np.ndarray, yarns: Any) -> Any:
+    """Draw the strain of the fibres along yarns at instants from the first record to the last, one panel
+    a yarn, with the foot of the cone at each instant. All panels have one scale of strain and one of
+    time.
+
+    Parameters
+    ----------
+    t, yarns : as in `tensions`
+    """
+    figure, grid = _panels(pyplot, len(yarns), 4.2)
+    chosen = np.unique(np.linspace(0, len(t) - 1, _INSTANTS + 1).round().astype(int)[1:])
+    # from light to dark as time goes on
+    scale = pyplot.cm.ScalarMappable(
+        pyplot.Normalize(-0.25 * US * t[-1], US * t[-1]), tension_map()
+    )
+    top = 0.0
+    for axes, yarn in zip(grid, yarns):
+        radius = yarn.cone_radius
+        side = yarn.X > 0
+        X = MM * yarn.X[side]
+        for k in chosen:
+            strain = 100 * yarn.strain[k, side]
+            top = max(top, float(strain.max()))
+            colour = scale.to_rgba(US * t[k])
+            axes.plot(X, strain, color=colour, lw=1.6, label=f"{US * t[k]:.0f} µs")
+            if np.isfinite(radius[k]):
+                foot = float(np.interp(MM * radius[k], X, strain))
+                axes.plot(MM * radius[k], foot, "o", ms=6, mfc=ORANGE, mec=colour)
+        fails = 100 * yarn.strength / yarn.EA
+        axes.axhline(fails, color=RED, lw=1.2, ls="--", label="at the strength")
+        top = max(top, fails)
+        axes.set(title=name(yarn), xlabel="from the impact point, at rest [mm]", xlim=(0, X[-1]))
+        axes.set_ylabel("strain of the fibres [%]")
+    for axes in grid:
+        axes.set_ylim(0, 1.08 * top)
+    axes.plot([], [], "o", ms=6, mfc=ORANGE, mec=INK, label="foot of the cone")
+    legend_beside(axes, fontsize=10)
+    return figure
+
+
+def cone(pyplot: Any, radii: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Any:
+    """Draw the radius of the cone about the nose over time.
+
+    Parameters
+    ----------
+    radii : {label: (times (n,) [s], radii (n,) [m], not a number before there is a cone)}
+    """
+    figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
+    for (label, (t, radius)), colour in zip(radii.items(), (WARP, WEFT)):
+        axes.plot(US * t, MM * radius, ".-", color=colour, lw=1.6, ms=5, label=label)
+    axes.set(xlabel="time after strike [µs]", ylabel="radius of the cone [mm]")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.legend(loc="upper left")
     return figure
 
 

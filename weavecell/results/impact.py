@@ -28,6 +28,7 @@ from fabrics.base.files import read_hdf5, write_hdf5
 from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.impact.result import ImpactData, ImpactResult
+from shellfabric.loop.cone import find_foot
 from shellfabric.membrane.quality import status
 from shellfabric.projectile.projectile import turn_about
 from weavecell.results import display, json_file, keys
@@ -256,6 +257,23 @@ class ImpactRecord(ImpactData):
     def rear(self) -> tuple[Shape, Shape]:
         """Shapes of the last ply: when half of the energy was absorbed, and at the end."""
         return self.half_energy[-1], self.final[-1]
+
+    @property
+    def cut_times(self) -> FloatArray:
+        """(cuts,) [s] of the cuts."""
+        return np.array([cut.time for cut in self.cuts])
+
+    @property
+    def cone_radius(self) -> FloatArray:
+        """(cuts,) [m] how far the transverse wave has come in the last ply at `cut_times`: from the
+        impact point along x to the foot of the cone; not a number before there is one
+        (`shellfabric.loop.cone`). Finer in time along recorded yarns, `measured`."""
+        found = []
+        for cut in self.cuts:
+            line = cut.lines[-1]
+            x, z = line[np.isfinite(line).all(axis=1)].T
+            found.append(find_foot(x, z - self.z_rest[-1], float(np.median(np.diff(x)))))
+        return np.array(found)
 
     def nose_place(self, t: float) -> FloatArray:
         """Interpolate the place x and y (2,) [m] of the nose at time t, linear between impact, half

@@ -7,9 +7,7 @@ rest, X / t, is less than that along the yarn by the crimp, and a crimped yarn's
 with the tension T behind it and the stretch eps of the fabric there, it runs at sqrt(T / (m eps)),
 m being the mass of the fabric per length and yarn (momentum and mass across the jump).
 
-Transverse: at each instant, the foot of the deflected part: where the chord through the side of the
-profile at 3/4 and 1/4 of its height meets the undeflected fabric. On a straight yarn the side is
-straight and the foot is the kink, which runs at U (`smith`).
+Transverse: at each instant, the foot of the cone about the nose (`shellfabric.loop.cone`).
 """
 
 from __future__ import annotations
@@ -29,8 +27,6 @@ WINDOW = (
     0.15,
     0.85,
 )  # part of the yarn, from the impact point to its end, within which speeds are fitted
-# shares of the height of the profile
-_HIGH, _LOW = 0.75, 0.25
 
 
 @dataclass(frozen=True)
@@ -97,31 +93,11 @@ def longitudinal(
 
 
 def transverse(yarn: YarnHistory, t: FloatArray, *, window: tuple[float, float] = WINDOW) -> Front:
-    """Find the feet of the deflected part; left out if its side is not spread over three
-    elements."""
-    spacing = yarn.X[1] - yarn.X[0]
-    time = []
-    place = []
-    for instant, x, z in zip(t, yarn.place, yarn.deflection):
-        side = x >= 0
-        x = x[side]
-        z = z[side]
-        top = float(z.max(initial=0.0))
-        high = _crossing(x, z, _HIGH * top)
-        low = _crossing(x, z, _LOW * top)
-        if top > 0 and low - high >= 3 * spacing:
-            time.append(instant)
-            place.append(low + (low - high) * _LOW / (_HIGH - _LOW))
-    return _fit_front("transverse", yarn, np.array(time), np.array(place), window)
-
-
-def _crossing(x, z, height):
-    """[m] outermost place at which the profile comes down through a height."""
-    above = np.flatnonzero(z > height)
-    if above.size == 0 or above[-1] + 1 == z.size:
-        return np.nan
-    k = above[-1]
-    return x[k] + (x[k + 1] - x[k]) * (z[k] - height) / (z[k] - z[k + 1])
+    """Find the feet of the deflected part (`shellfabric.loop.cone`), at the instants that have
+    one."""
+    radius = yarn.cone_radius
+    found = np.isfinite(radius)
+    return _fit_front("transverse", yarn, np.asarray(t)[found], radius[found], window)
 
 
 def _fit_front(kind, yarn, time, place, window):

@@ -2,6 +2,7 @@
 name. No two numbers of the made-up data are alike, so that nothing can be exchanged unseen."""
 
 import ast
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace as Given
 
@@ -621,6 +622,48 @@ def fronts(pyplot):
             assert key.get_color() == dots.get_color()
     assert figure.axes[-1].get_ylabel() == "tension [N]"
     return None
+
+
+@case(pictures_histories.strains)
+def strains(pyplot):
+    """Eight of eleven instants, one scale for both yarns, and the foot of a cone that spreads."""
+    t = rising(11, 1e-6)
+    yarns = []
+    for family, offset in (("warp", 1e-3), ("weft", 2e-3)):
+        made = yarn_history(family, offset)
+        nodes = np.linspace(-5e-3, 5e-3, 41)
+        place = np.broadcast_to(nodes, (11, 41))
+        cone = 3e-4 * np.arange(11)[:, None] * (1 + 100 * offset) - np.abs(place)
+        more = {"place": place, "deflection": np.maximum(cone, 0), "tension": numbers(11, 40)}
+        yarns.append(replace(made, X=0.5 * (nodes[1:] + nodes[:-1]), **more))
+    wanted = {}
+    chosen = [1, 2, 4, 5, 6, 8, 9, 10]
+    for yarn in yarns:
+        side = yarn.X > 0
+        X = 1e3 * yarn.X[side]
+        lines = {f"{1e6 * t[k]:.0f} µs": xy(X, 100 * yarn.strain[k, side]) for k in chosen}
+        lines["at the strength"] = [[0, 1e4 / yarn.EA], [1, 1e4 / yarn.EA]]
+        title = f"{yarn.family}, {1e3 * yarn.offset:.1f} mm off centre"
+        wanted[title, "from the impact point, at rest [mm]", "strain of the fibres [%]"] = lines
+    lines["foot of the cone"] = np.empty((0, 2))
+    figure = pictures_histories.strains(pyplot, t, yarns)
+    assert len({axes.get_ylim() for axes in figure.axes}) == 1
+    for axes, yarn in zip(figure.axes, yarns):
+        feet = [line.get_xydata() for line in axes.lines if line.get_marker() == "o"]
+        feet = np.concatenate(feet)
+        radius = yarn.cone_radius
+        seen = [k for k in chosen if np.isfinite(radius[k])]
+        assert len(seen) >= 3
+        assert_allclose(feet[:, 0], 1e3 * radius[seen])
+    return figure, wanted
+
+
+@case(pictures_histories.cone)
+def cone(pyplot):
+    radii = {name: (rising(5, 1e-6), rising(5, 1e-3)) for name in ("warp", "weft")}
+    wanted = {name: xy(1e6 * t, 1e3 * radius) for name, (t, radius) in radii.items()}
+    place = "", "time after strike [µs]", "radius of the cone [mm]"
+    return pictures_histories.cone(pyplot, radii), {place: wanted}
 
 
 @case(pictures_coupon.cloth)

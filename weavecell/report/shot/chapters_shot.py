@@ -134,6 +134,9 @@ def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
     """Build the chapter of one impact: histories, energies, cuts, pictures of the panel and
     results."""
     figures: tuple[Figure, ...] = (_histories(record), _energies(record), _cuts(record), *panel)
+    # where yarns were recorded the cone is drawn with them, finer in time
+    if not record.measured and np.isfinite(record.cone_radius).any():
+        figures += (_cone({"along x, of the last ply": (record.cut_times, record.cone_radius)}),)
     tables = [results(record), every_result(record)]
     if record.count > 1:
         figures += (_plies(record),)
@@ -252,6 +255,17 @@ def _histories(record):
     return pictures.draw_figure(
         "histories", caption, pictures_shot.histories, record, wide=False, tall=True
     )
+
+
+def _cone(radii, of_ply=""):
+    """How far the transverse wave has come."""
+    caption = (
+        "Radius of the cone about the nose: how far the transverse wave has come from the impact point. The foot of "
+        "the cone is where its side, drawn as a straight line through 3/4 and 1/4 of its height, meets the flat fabric. It "
+        "grows until it is at the edge of the panel, or until the fabric springs back."
+    )
+    draw = pictures_histories.cone
+    return pictures.draw_figure(f"cone{of_ply}", caption, draw, radii, wide=False)
 
 
 def _plies(record):
@@ -474,6 +488,15 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
         recorded.yarns,
         within,
     )
+    strains = pictures.draw_figure(
+        f"strains{of_ply}",
+        "Strain of the fibres along the yarns through the impact point, later instants darker, with the foot of the "
+        "cone at each instant. /measured in histories.h5 has both as strain and cone_radius.",
+        pictures_histories.strains,
+        recorded.t,
+        through,
+    )
+    radii = {yarn.family: (recorded.t, yarn.cone_radius) for yarn in through}
     arrivals = pictures.draw_figure(
         f"fronts{of_ply}",
         "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse one (red: "
@@ -495,7 +518,9 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     if waves:
         rows = [_front_row(wave, recorded) for wave in waves]
         tables = (Table(columns, tuple(rows), numeric=columns[2:]),)
-    return Section(f"measures{of_ply}", title, "", (tensions, arrivals), tables)
+    return Section(
+        f"measures{of_ply}", title, "", (tensions, strains, _cone(radii, of_ply), arrivals), tables
+    )
 
 
 def body(record: ImpactRecord) -> list[Section]:
