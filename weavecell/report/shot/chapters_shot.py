@@ -261,8 +261,8 @@ def _cone(radii, of_ply=""):
     """How far the transverse wave has come."""
     caption = (
         "Radius of the cone about the nose: how far the transverse wave has come from the impact point. The foot of "
-        "the cone is where its side, drawn as a straight line through 3/4 and 1/4 of its height, meets the flat fabric. It "
-        "grows until it is at the edge of the panel, or until the fabric springs back."
+        "the cone is where its side, drawn as a straight line through 3/4 and 1/4 of its height, meets the flat "
+        "fabric. It grows until it is at the edge of the panel, or until the fabric springs back."
     )
     draw = pictures_histories.cone
     return pictures.draw_figure(f"cone{of_ply}", caption, draw, radii, wide=False)
