@@ -169,46 +169,63 @@ def quasi_static(size, displacement, plates):
     return [record[name][-1] for name in ("T1", "T2", "F_c", "F_plate")], rest
 
 
-LOADS = [
-    pytest.param((2e-5, 2e-5), None, id="both drawn"),
-    pytest.param((2.5e-5, 0.0), None, id="warp drawn", marks=pytest.mark.slow),
-    pytest.param(
-        (0.0, 0.0),
-        0.7,
-        id="platens",
-        marks=[
-            pytest.mark.slow,
-            pytest.mark.xfail(
-                strict=True,
-                reason="2.5 % at 4 MPa, 17 % at 35 MPa: one point and an hourglass control of the yarn "
-                "at rest; the mesh itself is 5 % off a finer one",
-            ),
-        ],
-    ),
-]
+TARGET = 2.5e-3  # of tensions and forces off the 3D crossover on the same mesh
+SIZE = (5, 5, 2)
+PLATENS = 0.7  # distance of the platens over that at rest: 4 MPa
+# what the default is off at 4 MPa: force of the yarns on each other, and of the platen on warp and on weft
+SOFTER = (-0.0254, -0.0252, -0.0284)
 
 
-@pytest.mark.parametrize("displacement, plates", LOADS)
-def test_the_quasi_static_limit_is_the_crossover_of_dolfinx(displacement, plates):
-    """Equal meshes and penalties: tensions, and the force of the yarns on each other or of the platens."""
-    size = (5, 5, 2)
-    (T1, T2, F_c, F_plate), rest = quasi_static(size, displacement, plates)
-    whole = crossover.build(FABRIC, domain="whole", size=size)
-    model = SolidPatch(
+def crossover_alone(**choices):
+    """A whole crossover of free ends on the mesh of `quasi_static`."""
+    whole = crossover.build(FABRIC, domain="whole", size=SIZE)
+    return SolidPatch(
         SolidMesh.of(whole),
         FABRIC,
         fibre_fractions=tuple(whole.Vf0),
-        numerics=SolidNumerics(take_off_overlap=False),
+        numerics=SolidNumerics(take_off_overlap=False, **choices),
         failure=False,
         clamped=False,
     )
-    if plates is None:
-        found = draw(model, displacement)
-        assert found.tension == pytest.approx([T1, T2], rel=2.5e-3)
-    else:
-        found = draw(model, displacement, plates * rest)
-        assert found.plates == pytest.approx(F_plate, rel=2.5e-3)
-    assert found.contact == pytest.approx(F_c, rel=2.5e-3)
+
+
+@pytest.mark.parametrize(
+    "displacement",
+    [
+        pytest.param((2e-5, 2e-5), id="both drawn"),
+        pytest.param((2.5e-5, 0.0), id="warp drawn", marks=pytest.mark.slow),
+    ],
+)
+def test_the_quasi_static_limit_is_the_crossover_of_dolfinx(displacement):
+    """Equal meshes and penalties: tensions, and the force of the yarns on each other."""
+    (T1, T2, F_c, _), _ = quasi_static(SIZE, displacement, None)
+    found = draw(crossover_alone(), displacement)
+    assert found.tension == pytest.approx([T1, T2], rel=TARGET)
+    assert found.contact == pytest.approx(F_c, rel=TARGET)
+
+
+def pressed_between_platens(duration, **choices):
+    """Forces (3,) of the patch between platens over those of the 3D crossover, less 1: of the yarns
+    on each other, and of the platens."""
+    (_, _, F_c, F_plate), rest = quasi_static(SIZE, (0.0, 0.0), PLATENS)
+    found = draw(crossover_alone(**choices), (0.0, 0.0), PLATENS * rest, duration)
+    return np.array([found.contact, *found.plates]) / [F_c, *F_plate] - 1
+
+
+@pytest.mark.slow(40)
+def test_the_full_rule_between_platens_is_the_crossover_of_dolfinx():
+    """At 4 MPa, with twice the time to come to rest: pressed yarns are soft in shear, and slow."""
+    assert pressed_between_platens(120e-6, full_rule=True) == pytest.approx(0, abs=TARGET)
+
+
+@pytest.mark.slow(10)
+def test_one_point_between_platens_misses_the_target():
+    """The default is softer than the 3D crossover at 4 MPa by ten times the target. One point of a brick
+    does not see how the packing varies within it, and the hourglass control is for the yarn at rest. Whoever
+    makes it better finds this number here, and in docs/theory-panel.md."""
+    off = pressed_between_platens(60e-6)
+    assert (np.abs(off) > TARGET).all()
+    assert off == pytest.approx(SOFTER, abs=TARGET)
 
 
 def test_a_crossover_alone_is_drawn():
