@@ -1,9 +1,10 @@
-"""The cell of a fabric as a membrane of nominal stresses: what the laws of other codes are made of
-and held against.
+"""The cell of a fabric as a membrane: the stresses to which the laws of other codes are fitted.
 
-Nominal stress is force over the width and the thickness at rest: a force of N in each warp yarn is
-N warp_count / thickness. Stretches L1, L2 are those of the fabric along warp and weft, gamma [rad]
-is the loss of the right angle between the yarns, tau the stress that works on it.
+Stresses are nominal: force over width and thickness at rest. A force N [N] in each warp yarn is the
+stress N warp_count / thickness.
+
+L1, L2 [-] are the stretches of the fabric along warp and weft. The shear angle gamma [rad] is the
+loss of the right angle between the yarns; its stress is tau [Pa].
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ MATCHES = ("plane", "uniaxial")
 _POINTS = 81
 # points along each side of the biaxial plane
 _PLANE = 81
-# A curve goes on so far beyond its last strain: other codes extrapolate as they like.
+# a curve is continued to so many times its last strain, since codes differ in how they extrapolate
 _FURTHER = 2.0
-# [rad] a shear curve ends here
+# [rad] shear angle at which a shear curve ends
 _STEEPEST = np.radians(80)
 
 
 @dataclass(frozen=True)
 class Cloth:
-    """A cell and its trellis law.
+    """A cell and its trellis law, as stresses of a membrane.
 
     Parameters
     ----------
@@ -99,11 +100,11 @@ class Cloth:
         return np.stack([force["N1"] * self.smear[0], force["N2"] * self.smear[1]])
 
     def uniaxial(self, family: int) -> tuple[FloatArray, FloatArray]:
-        """Compute (stretch, nominal stress [Pa]) of one direction in uniaxial tension, to the
+        """Compute (stretch, nominal stress [Pa]) of one direction in uniaxial tension, up to the
         strength.
 
-        Crossing yarns without tension press on nothing: the yarns are straight once their crimp is
-        gone.
+        The crossing yarns have no tension, so they do not press on the loaded ones, which are
+        straight once their crimp is gone.
         """
         stretch = np.linspace(1, self.failure_stretch[family], _POINTS)
         stretch = np.union1d(stretch, [1 + self.crimp[family]])
@@ -121,13 +122,17 @@ class Cloth:
         return L1, L2, (state["T1"] <= warp.strength) & (state["T2"] <= weft.strength)
 
     def curve(self, family: int, match: str) -> FloatArray:
-        """Compute the curve (n, 2), engineering strain and nominal stress [Pa], of one direction,
-        on beyond the strength with the yarns' modulus.
+        """Compute the curve (n, 2) of one direction: engineering strain, nominal stress [Pa].
 
-        match : "uniaxial" tension, or the mean over the stretches of the other direction in the
-            biaxial `plane`, which is the nearest to it of all curves of one stretch; but for its
-            beginning, which is no steeper than the yarns (crossing yarns that are stretched load a
-            direction at rest, which no curve through 0 can have)
+        Beyond the strength it continues with the modulus of the yarns.
+
+        family : 0 warp, 1 weft
+        match : "uniaxial" for tension along this direction alone; "plane" for the mean over the
+            stretches of the other direction in the biaxial `plane`
+
+        Of all curves of one stretch this mean is nearest to the plane (least squares). It does not
+        begin at zero stress, since stretched crossing yarns load a direction at rest. A material law
+        has no stress at rest, so the beginning is limited to the modulus of the yarns.
         """
         if match == "uniaxial":
             stretch, stress = self.uniaxial(family)
