@@ -20,6 +20,9 @@ ELEMENT = 385.0  # [bytes] of an element of one ply, with its grid of ghosts
 CROSSING = 1300.0  # [bytes] of a crossing of resolved yarns with its four nodes
 PACK = 640.0  # [bytes] of an element of a pack: 390 to 539, and 96 of the closures of its points where plies touch
 SNAPSHOT = 70.0  # [bytes] of an element in a snapshot: 57 in one ply, 69 in a pack
+CROSSING_SHOWN = (
+    310.0  # [bytes] of a crossing in a snapshot: four nodes with six points and a tension each
+)
 WRITTEN = 1100.0  # [bytes] of an element of the largest ply while pictures and files are made, after the run: 1090
 BRICK = 1270.0  # [bytes] of an element of the block behind the panel: 1266
 
@@ -42,7 +45,8 @@ def needed(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) ->
     run += CROSSING * sum(map(crossings_of, plies))
     if written:
         run = max(run, WRITTEN * max(counts))
-    return run + SNAPSHOT * snapshots * sum(counts)
+    shown = SNAPSHOT * sum(counts) + CROSSING_SHOWN * sum(map(crossings_of, plies))
+    return run + snapshots * shown
 
 
 def check(plies: Sequence[Panel], snapshots: int = 0, written: bool = False) -> None:

@@ -42,6 +42,11 @@ class Snapshot:
         (elements,) effective plastic strain, both with the first ply; of another body empty
     face : (nx + 1, ny + 1, 3) [m] nodes of the face of the block behind the last ply, in the frame
         of the pack, as the nodes, with the first ply; without a block empty
+    yarn_surface, yarn_tension, yarn_family : of resolved yarns (`yarns.drawn.draw_yarns`), in the
+        frame of the pack, as the nodes: sections (n, k, 3) [m] about the nodes of the chains, tension
+        (n,) [N] to the next node, not a number where there is no segment, and 0 of warp, 1 of weft;
+        empty of a ply without them
+    resolved : (ni, nj) bool, elements that these yarns stand for; empty without
     """
 
     t: float
@@ -56,6 +61,10 @@ class Snapshot:
     body: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     plastic: np.ndarray = field(default_factory=lambda: np.empty(0))
     face: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 3)))
+    yarn_surface: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 3)))
+    yarn_tension: np.ndarray = field(default_factory=lambda: np.empty(0))
+    yarn_family: np.ndarray = field(default_factory=lambda: np.empty(0, np.int8))
+    resolved: np.ndarray = field(default_factory=lambda: np.empty((0, 0), bool))
 
 
 def snapshot(
@@ -108,6 +117,10 @@ def of_plies(solver: Any) -> tuple[Snapshot, ...]:
     for ply, ((panel, _, state), z) in enumerate(zip(solver.plies, solver.pack.places)):
         one = snapshot(panel, state, solver.time, solver.normal_contact_forces(ply))
         one.nodes[..., 2] += z
+        for part in solver.parts[ply]:
+            if part.name == "yarns":
+                one = replace(one, **part.draw())
+                one.yarn_surface[..., 2] += z
         # the position of the nose is counted from the first ply
         nose = (found or [one])[0].projectile_position.copy()
         found.append(replace(one, nose_position=one.nose_position + z, projectile_position=nose))

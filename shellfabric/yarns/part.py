@@ -15,6 +15,7 @@ from shellfabric.membrane.slots import by_node
 from shellfabric.parts import Part
 from shellfabric.state import Constants, State
 from shellfabric.yarns import coupling_kernels
+from shellfabric.yarns.drawn import draw_yarns
 from shellfabric.yarns.patch import RIM_ROWS, kinetic_energy, slipped
 from shellfabric.yarns.state import Zone
 
@@ -94,6 +95,10 @@ class ResolvedYarns(Part):
     def show(self, state: State) -> None:
         """Put the membrane where the yarns are, see Part; shadow nodes are there."""
         show(self.zone, state)
+
+    def draw(self) -> dict[str, Any]:
+        """Return what a snapshot has of the yarns (`drawn.draw_yarns`)."""
+        return draw_yarns(self.zone, self.panel)
 
     def speeds(self, strike_velocity: float) -> tuple[FloatArray, float]:
         """Return the speeds of the yarns' nodes, see Part."""

@@ -33,7 +33,7 @@ from shellfabric.membrane.quality import status
 from shellfabric.projectile.projectile import turn_about
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
-from weavecell.results.impact_shapes import Cut, Peak, Shape, TurnedBody
+from weavecell.results.impact_shapes import OF_YARNS, Cut, Peak, Shape, TurnedBody
 from weavecell.results.keys import TABLES
 from weavecell.studies import rigidity
 
@@ -410,8 +410,11 @@ class ImpactRecord(ImpactData):
                 put(file, f"plies/histories/{name}", values, units[name])
             for ply, quads in enumerate(self.quads):
                 put(file, f"quads/{ply:02d}", quads, "1")
-                write_table(f"half_energy/{ply:02d}", self.half_energy[ply], "shape")
-                write_table(f"final/{ply:02d}", self.final[ply], "shape")
+                for name in ("half_energy", "final"):
+                    shape = getattr(self, name)[ply]
+                    write_table(f"{name}/{ply:02d}", shape, "shape")
+                    if shape.resolved.size:
+                        write_group(file[f"{name}/{ply:02d}"], shape, TABLES["shape_of_yarns"])
             # four digits keep the order of cuts when a reader sorts by name
             for number, cut in enumerate(self.cuts):
                 write_table(f"cuts/{number:04d}", cut, "cut")
@@ -449,8 +452,7 @@ class ImpactRecord(ImpactData):
             for name, group in (("energies", "energies"), ("plies", "plies/histories")):
                 values[name] = {key: data[()] for key, data in file[group].items()}
             for name in ("half_energy", "final"):
-                shapes = [read_group(group, Shape, "shape") for group in _members(file, name)]
-                values[name] = tuple(shapes)
+                values[name] = tuple(map(_read_shape, _members(file, name)))
             cuts = []
             for group in _members(file, "cuts"):
                 lines = tuple(line[()] for line in _members(group, "lines"))
@@ -484,6 +486,12 @@ SCALARS = {
 def _members(group, name):
     """What a group holds under a name, in the order of its numbers; [] if it holds none."""
     return [member for _, member in sorted(group.get(name, {}).items())]
+
+
+def _read_shape(group):
+    """The shape of a ply, with resolved yarns if it has any."""
+    of_yarns = {name: group[name][()] for name in OF_YARNS if name in group}
+    return read_group(group, Shape, "shape", **of_yarns)
 
 
 def _write_measured(group, measured):

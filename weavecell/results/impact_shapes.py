@@ -24,6 +24,8 @@ _GRIDS = (
     "area",
     "failed_segments",
 )  # of nodes or elements
+# of resolved yarns; a ply without them has none
+OF_YARNS = ("yarn_surface", "yarn_tension", "yarn_family", "resolved")
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,8 @@ class Shape:
     tension : (m, 2) [N] of warp and weft
     failed : (m, 3) bool: warp failed, weft failed, element eroded
     pressure, area, failed_segments : of the nodes, (k, ...), as in a Snapshot
+    yarn_surface, yarn_tension, yarn_family, resolved : of resolved yarns, as in a Snapshot, the last
+        (m,); empty of a ply without them
     """
 
     time: float
@@ -49,6 +53,10 @@ class Shape:
     pressure: np.ndarray
     area: np.ndarray
     failed_segments: np.ndarray
+    yarn_surface: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 3)))
+    yarn_tension: np.ndarray = field(default_factory=lambda: np.empty(0))
+    yarn_family: np.ndarray = field(default_factory=lambda: np.empty(0, np.int8))
+    resolved: np.ndarray = field(default_factory=lambda: np.empty(0, bool))
 
     @classmethod
     def from_snapshot(cls, shot: Snapshot) -> Shape:
@@ -57,6 +65,9 @@ class Shape:
         flat = {}
         for name, grid in grids.items():
             flat[name] = grid.reshape(-1, *grid.shape[2:])
+        for name in OF_YARNS:
+            flat[name] = getattr(shot, name)
+        flat["resolved"] = shot.resolved.ravel()
         return cls(float(shot.t), float(shot.nose_position), shot.projectile_position, **flat)
 
 

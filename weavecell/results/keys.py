@@ -85,6 +85,8 @@ OF_IMPACTS = (
     Key("projectile", "m", "surface of the projectile about its nose"),
     *_prefix_keys("half_energy/*", TABLES["shape"]),
     *_prefix_keys("final/*", TABLES["shape"]),
+    *_prefix_keys("half_energy/*", TABLES["shape_of_yarns"]),
+    *_prefix_keys("final/*", TABLES["shape_of_yarns"]),
     Key("measured/*/time", "s", "times of the samples of [history]"),
     *_prefix_keys("measured/*/yarns/*", TABLES["yarn"]),
     Key("measured/*/edges/*", "N", "in-plane and normal reaction of an edge of the panel"),

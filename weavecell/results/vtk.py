@@ -43,30 +43,84 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
     quads : of each ply (m, 4) node numbers, in order round the cell
     """
     first = np.cumsum([0, *(len(shape.nodes) for shape in plies)])
-    together = grid(
-        np.concatenate([shape.nodes for shape in plies]),
-        np.concatenate([numbers + start for numbers, start in zip(quads, first)]),
-    )
-    tension = np.concatenate([shape.tension for shape in plies])
-    failed = np.concatenate([shape.failed for shape in plies])
+    parts = [_elements(shape, numbers) for shape, numbers in zip(plies, quads)]
+    for part, start in zip(parts, first):
+        part["quads"] = part["quads"] + start
+    points = [shape.nodes for shape in plies]
+    count = first[-1]
+    for number, shape in enumerate(plies, 1):
+        if shape.resolved.size:
+            part = _yarns(shape)
+            part["quads"] = part["quads"] + count
+            part["ply"] = np.full(len(part["quads"]), number)
+            parts.append(part)
+            points.append(shape.yarn_surface.reshape(-1, 3))
+            count += len(points[-1])
+    for number, part in enumerate(parts[: len(plies)], 1):
+        part["ply"] = np.full(len(part["quads"]), number)
+    cells = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    together = grid(np.concatenate(points), cells["quads"])
+    failed = cells["failed"]
     together.cell_data.update(
         {
-            "tension_warp_N": tension[:, 0].astype(float),
-            "tension_weft_N": tension[:, 1].astype(float),
+            "tension_warp_N": cells["tension"][:, 0].astype(float),
+            "tension_weft_N": cells["tension"][:, 1].astype(float),
             "failed_warp": failed[:, 0].astype(np.int8),
             "failed_weft": failed[:, 1].astype(np.int8),
             "failed_yarns": count_failed_yarns(failed),
-            "ply": np.repeat(
-                np.arange(1, 1 + len(quads), dtype=np.int8), [len(numbers) for numbers in quads]
-            ),
+            "ply": cells["ply"].astype(np.int8),
         }
     )
-    together.point_data["area_m2"] = np.concatenate([shape.area for shape in plies])
+    if len(parts) > len(plies):
+        together.cell_data["resolved_yarn"] = cells["yarn"].astype(np.int8)
+
+    def of_points(arrays):
+        """Values of the nodes, and none of the surfaces of yarns."""
+        known = np.concatenate(arrays)
+        return np.pad(known, [(0, count - len(known)), *[(0, 0)] * (known.ndim - 1)])
+
+    together.point_data["area_m2"] = of_points([shape.area for shape in plies])
     for field, names in (("pressure", PRESSURES), ("failed_segments", _FAILED)):
-        columns = np.concatenate([getattr(shape, field) for shape in plies]).T
+        columns = of_points([getattr(shape, field) for shape in plies]).T
         together.point_data.update({name: column.copy() for name, column in zip(names, columns)})
     together.field_data["projectile_z_m"] = [float(plies[0].nose_position)]
     return together
+
+
+def _elements(shape, quads):
+    """{name: values} of the elements of a ply that no resolved yarns stand for."""
+    left = np.ones(len(quads), bool)
+    if shape.resolved.size:
+        left = ~shape.resolved
+    return {
+        "quads": quads[left],
+        "tension": shape.tension[left],
+        "failed": shape.failed[left],
+        "yarn": np.zeros(left.sum()),
+    }
+
+
+def _yarns(shape):
+    """{name: values} of the surfaces of the resolved yarns of a ply: quadrilaterals from each section to
+    the next one, marked as eroded where there is no yarn between them, so that all instants have the
+    same ones."""
+    count, around, _ = shape.yarn_surface.shape
+    numbers = np.arange(count * around).reshape(count, around)
+    beside = np.roll(numbers, -1, axis=1)
+    corners = [numbers[:-1], numbers[1:], beside[1:], beside[:-1]]
+    quads = np.stack(corners, axis=-1).reshape(-1, 4)
+    tension = np.repeat(shape.yarn_tension[:-1], around)
+    family = np.repeat(shape.yarn_family[:-1], around)
+    gone = np.isnan(tension)
+    tension = np.where(gone, 0.0, tension)
+    failed = np.zeros((len(quads), 3), bool)
+    failed[:, 2] = gone
+    return {
+        "quads": quads,
+        "tension": np.column_stack([tension * (family == 0), tension * (family == 1)]),
+        "failed": failed,
+        "yarn": family + 1,
+    }
 
 
 def count_failed_yarns(broken: np.ndarray) -> np.ndarray:

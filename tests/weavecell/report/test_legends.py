@@ -1205,7 +1205,13 @@ def test_what_is_drawn_is_what_its_label_says(function):
         compare(*found)
 
 
-IMAGES = {"snapshot", "end", "compose", "cut_figure"}  # of one picture in space, or of `cuts`
+IMAGES = {
+    "snapshot",
+    "end",
+    "half_way",
+    "compose",
+    "cut_figure",
+}  # of one picture in space, or of `cuts`
 
 
 def test_no_figure_is_left_out():

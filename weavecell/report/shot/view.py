@@ -44,6 +44,8 @@ COLOURS = 96
 _INSTANTS = 16
 # letters of a title that fit into one line beside the outcome
 _TITLE = 70
+# [radii of the projectile] half the height of a picture of the yarns about it
+_NEAR = 4.0
 # [pixels]
 _WINDOW = (1400, 900)
 
@@ -82,17 +84,28 @@ class Panel:
         """Return the time [s] of a snapshot."""
         return dict(self.series).get(file, self.record.rear[-1].time)
 
-    def image(self, grid: Any, t: float) -> np.ndarray:
+    def image(self, grid: Any, t: float, near: bool = False) -> np.ndarray:
         """Draw the whole panel or pack and its projectile in a snapshot, from the side where this
-        is, before a block from behind: (rows, columns, 3)."""
+        is, before a block from behind: (rows, columns, 3).
+
+        Parameters
+        ----------
+        near : whether what is about the nose alone is drawn
+        """
         width = pictures3d.width(self.record.rear[-1].nodes, self.record.mirror_x)
+        body = self.body(grid, t)
+        half_height = 0.37 * width
+        centre = (0.0, 0.0, 0.02 * width)
+        if near:
+            half_height = min(half_height, _NEAR * 0.5 * float(np.ptp(body[..., 0])))
+            centre = (*self.record.nose_place(t), float(body[..., 2].max()))
         return pictures3d.panel(
             grid,
             self.record.strength[grid["ply"] - 1],
-            self.body(grid, t),
+            body,
             self.mirrors,
-            half_height=0.37 * width,
-            centre=(0.0, 0.0, 0.02 * width),
+            half_height=half_height,
+            centre=centre,
             front=self.record.seen_from_front,
             face=self.face(t),
         )
@@ -226,11 +239,17 @@ def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
     return compose(pyplot, panel, pyvista.read(file), panel.time_of(file))
 
 
-def end(pyplot: Any, record: ImpactRecord) -> Any:
-    """Draw the last instant of a record, without the files of a run."""
-    return compose(
-        pyplot, Panel(record, []), vtk.panel(record.final, record.quads), record.final[-1].time
-    )
+def end(pyplot: Any, record: ImpactRecord, near: bool = False) -> Any:
+    """Draw the last instant of a record, without the files of a run; what is about the nose alone
+    if wanted."""
+    grid = vtk.panel(record.final, record.quads)
+    return compose(pyplot, Panel(record, []), grid, record.final[-1].time, near)
+
+
+def half_way(pyplot: Any, record: ImpactRecord) -> Any:
+    """Draw what is about the nose when the projectile had lost half of the energy that it lost."""
+    grid = vtk.panel(record.half_energy, record.quads)
+    return compose(pyplot, Panel(record, []), grid, record.half_energy[-1].time, near=True)
 
 
 def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
@@ -247,15 +266,31 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
             "The panel at the end of the run, to scale, from behind. Brown: half of the face of the "
             "block, so that the fabric is seen before the other half."
         )
-    return (pictures.draw_figure("panel", caption, end, record, kind="png"),)
+    figures = [pictures.draw_figure("panel", caption, end, record, kind="png")]
+    if any(shape.resolved.size for shape in record.final):
+        looks = (
+            "Each is an ellipse of its width at rest and half of the ply's thickness; pieces that have failed are "
+            "left out."
+        )
+        if record.half_energy[0].time < record.final[0].time:
+            caption = (
+                "The resolved yarns about the nose, when the projectile had lost half of the energy that it loses. "
+                f"{looks}"
+            )
+            figures.append(pictures.draw_figure("yarns", caption, half_way, record, kind="png"))
+        caption = f"The resolved yarns about the nose at the end of the run. {looks}"
+        draw = pictures.draw_figure("yarns-at-the-end", caption, end, record, True, kind="png")
+        figures.append(draw)
+    return tuple(figures)
 
 
-def compose(pyplot: Any, panel: Panel, grid: Any, t: float) -> Any:
-    """Compose the figure of the grid of one instant: outcome, instant, panel, scale of tensions."""
+def compose(pyplot: Any, panel: Panel, grid: Any, t: float, near: bool = False) -> Any:
+    """Compose the figure of the grid of one instant: outcome, instant, panel, or what is about the
+    nose alone, and scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
     # places by hand: a layout that matplotlib chooses would move from frame to frame
     axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
-    axes.imshow(panel.image(grid, t), interpolation="antialiased")
+    axes.imshow(panel.image(grid, t, near), interpolation="antialiased")
     axes.axis("off")
     figure.text(0.02, 0.95, panel.headline(), weight="bold", color=INK)
     figure.text(0.02, 0.905, panel.caption(t), color=INK)
