@@ -68,7 +68,7 @@ docs:  ## the documentation site in results/site; runs the scripts of examples/ 
 	@echo "docs: $(RESULTS)/site/index.html; 'make docs-again' runs all scripts of the gallery again"
 
 docs-again:  ## the same from the beginning: a change of the code can change what the scripts print
-	rm -rf docs/generated $(RESULTS)/site
+	rm -rf docs/generated/*/ $(RESULTS)/site
 	$(MAKE) docs
 
 lint: setup

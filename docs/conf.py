@@ -72,7 +72,6 @@ def escape_stars(app, what, name, thing, options, lines):
 
 def setup(app):
     """Write the pages that are made from the code before Sphinx reads its sources."""
-    import kernel_arrays
     import reference_pages
     from pygments.lexers.special import TextLexer
 
@@ -80,4 +79,3 @@ def setup(app):
     app.connect("source-read", show_directives)
     app.connect("autodoc-process-docstring", escape_stars)
     app.connect("builder-inited", lambda _: reference_pages.write(HERE / "generated"))
-    app.connect("builder-inited", lambda _: kernel_arrays.write(HERE / "generated"))

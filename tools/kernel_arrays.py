@@ -114,9 +114,3 @@ def page():
             cells = f"`{name}`", field.shape, field.unit, kept, field.meaning
             parts.append(f"| {' | '.join(cells)} |\n")
     return "".join(parts)
-
-
-def write(folder):
-    """Write the page kernel-arrays.md into a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "kernel-arrays.md").write_text(page(), "utf-8")

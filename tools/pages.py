@@ -2,7 +2,7 @@
 
     python tools/pages.py [--check]
 
-Writes what stands between two marks of a page, and the reference pages that are not kept in git (`reference_pages`).
+Writes what stands between two marks of a page, and the reference pages in docs/generated (`reference_pages`).
 With --check it names the pages that are out of date and ends with 1. A mark is a comment of Markdown,
 `<!-- NAME of tools/pages.py --> ... <!-- end of NAME -->`.
 """
@@ -17,7 +17,7 @@ from math import hypot, isfinite, nan
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-DOCS, DATA = ROOT / "docs", ROOT / "docs" / "reports" / "data"
+DATA, GENERATED = ROOT / "docs" / "reports" / "data", ROOT / "docs" / "generated"
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import architecture  # noqa: E402
@@ -306,7 +306,8 @@ def made(page: str) -> str:
 
 def stale() -> list[str]:
     """List the pages that are out of date."""
-    return [page for page in MARKED if (ROOT / page).read_text("utf-8") != made(page)]
+    marked = [page for page in MARKED if (ROOT / page).read_text("utf-8") != made(page)]
+    return marked + [f"docs/generated/{name}" for name in reference_pages.stale(GENERATED)]
 
 
 def main() -> None:
@@ -314,10 +315,12 @@ def main() -> None:
     pages = stale()
     if sys.argv[1:] == ["--check"]:
         sys.exit("".join(f"out of date: {page}\n" for page in pages) or 0)
-    for page in pages:
+    for page in set(pages) & set(MARKED):
         (ROOT / page).write_text(made(page), "utf-8")
+    # after the keywords of Python, which its page has
+    reference_pages.write(GENERATED)
+    for page in pages:
         print(f"written: {page}")
-    reference_pages.write(DOCS / "generated")
     architecture.diagram()
 
 

@@ -1,11 +1,11 @@
-"""Reference pages that are made from code and data, and are not kept in git.
+"""Reference pages that are made from code and data, and are kept in git for those who read the repository.
 
     python tools/reference_pages.py [docs/generated]
 
 cli.md has every command with its arguments, options and defaults, input.md every key of input and result files,
 python.md the functions and results of the Python interface, files.md tables of output and data files, errata.md the
-errata of the thesis, architecture.md the layers and folders. scene.schema.json and coupon.schema.json are JSON
-Schemas of the input files, for editors.
+errata of the thesis, architecture.md the layers and folders, kernel-arrays.md what kernels take. scene.schema.json and
+coupon.schema.json are JSON Schemas of the input files, for editors.
 """
 
 from __future__ import annotations
@@ -16,11 +16,13 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "docs" / "generated"
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import architecture  # noqa: E402
 import errata_page  # noqa: E402
 import file_formats  # noqa: E402
+import kernel_arrays  # noqa: E402
 import keys_page  # noqa: E402
 import python_page  # noqa: E402
 
@@ -140,19 +142,24 @@ def pages():
         "files.md": file_formats.page(),
         "errata.md": errata_page.page(),
         "architecture.md": architecture.text(),
+        "kernel-arrays.md": kernel_arrays.page(),
     }
 
 
-def write(folder):
-    """Write all pages to a folder."""
+def stale(folder):
+    """Return the pages and schemas that a folder has not, or not as they are: {name: text}."""
     texts = pages()
     for name, found in schemas().items():
         texts[name] = json.dumps(found, indent=2) + "\n"
-    for name, text in texts.items():
-        path = Path(folder) / name
-        if not path.exists() or path.read_text("utf-8") != text:  # Sphinx reads again what is newer
-            files.write(path, text)
+    kept = {path.name: path.read_text("utf-8") for path in Path(folder).glob("*.*")}
+    return {name: text for name, text in texts.items() if kept.get(name) != text}
+
+
+def write(folder):
+    """Write all pages to a folder; Sphinx reads again what is newer."""
+    for name, text in stale(folder).items():
+        files.write(Path(folder) / name, text)
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "generated")
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
