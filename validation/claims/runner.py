@@ -46,9 +46,10 @@ LONG = (
     "lone",
     "meshes",
     "released",
+    "woven",
 )
 NEEDS = dict.fromkeys(("stretched", "plates", "lone", "brick", "released"), "dolfinx")
-NEEDS |= dict.fromkeys(("sections", "meshes"), "gmsh")
+NEEDS |= dict.fromkeys(("sections", "meshes", "woven"), "gmsh")
 
 
 def validate(

@@ -2,7 +2,7 @@
 
 Fabrics are those of the thesis's shell runs (`Fabric.with_effective_density`, erratum E-07), with its mesh of one
 element per crossover. All other settings are the defaults of weavecell: nothing is set to suit a claim. The runs of the
-3D crossover and of its packs need gmsh, and all but `meshes` and `sections` dolfinx.
+3D crossover and of its packs need gmsh, and all but `meshes` and `sections` dolfinx; woven solids need gmsh.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from time import process_time
 from types import SimpleNamespace
 from typing import Any
 
@@ -30,6 +31,11 @@ from shellfabric.membrane.model import Panel
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.projectile.bar import Bar
+from shellfabric.solids import step_kernels
+from shellfabric.solids.mesh import SolidMesh
+from shellfabric.solids.model import SolidPatch
+from shellfabric.solids.solver import SolidSolver
+from shellfabric.solids.strike import FRICTION
 from validation.cases import block
 from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
@@ -37,6 +43,7 @@ from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
 from validation.values import Values
 from weavecell.studies import ballistic_limit
+from weavecell.studies.small_patch import StepClock
 
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
@@ -294,15 +301,91 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
 
 
 def pace(fabric: str, velocity: float) -> SimpleNamespace:
-    """Time shell and cable net over 250 us of the same impact [s], run three times in turns; the
-    least."""
+    """Time shell and cable net over 250 us of the same impact, CPU time [s] of the steps, run three
+    times in turns; the least."""
     made = ImpactSetup(changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
     shell = []
     cable = []
     for _ in range(3):
-        shell.append(run_impact(made).wall_time)
-        cable.append(CableNet(made).run().wall_time)
+        clock = StepClock()
+        run_impact(made, hooks=[clock])
+        shell.append(clock.seconds)
+        netted = CableNet(made)
+        began = process_time()
+        netted.run()
+        cable.append(process_time() - began)
     return SimpleNamespace(shell=min(shell), cable=min(cable))
+
+
+def woven(
+    fabric: str,
+    velocity: float,
+    *,
+    crossings: int,
+    size: Sequence[int],
+    end_time: float,
+    clamped: bool = True,
+) -> SimpleNamespace:
+    """Strike a patch of woven solid yarns with the projectile of the thesis.
+
+    Parameters
+    ----------
+    fabric, velocity : name, [m/s]
+    crossings : of each family; a quarter of an odd number is computed if it is clamped
+    size : hexahedra along, across and through a quarter of a yarn in one crossing
+    end_time : [s]
+    clamped : whether the ends of the yarns are held
+
+    Returns
+    -------
+    t, hourglass, internal (n,) : [s], [J] energy of the hourglass control, and of fibres and solids
+    seconds : [s] of CPU time a crossover and us
+    bricks : number a crossover
+    failed : number of bars that have failed
+    strain : the largest of the whole bars over that of failure
+    mass, fibre_mass : [kg] of the nodes, and of the fibres that were meshed
+    momentum : [N s] of yarns and projectile
+    """
+    from meshing import patch
+
+    given = catalogue.load(fabric)
+    mesh: Any = patch.build(given, (crossings, crossings), size=tuple(size))
+    model = SolidPatch(
+        SolidMesh.of(mesh, quarter=clamped and crossings % 2 == 1),
+        given,
+        setup(fabric, velocity).projectile,
+        friction=FRICTION,
+        fibre_fractions=tuple(mesh.Vf0),
+        clamped=clamped,
+    )
+    solver = SolidSolver(model, velocity, end_time)
+    clock = StepClock()
+    solver.run([clock])
+    row = solver.row
+    momentum = row.mass @ row.v + row.projectile_mass * row.nose_velocity
+    step_kernels.forces(row)  # bars are removed by their strain at these positions
+    strains = []
+    fibre_mass = 0.0
+    for grid, family, area in zip(model.mesh.grids, model.mesh.families, model.mesh.bar_area):
+        rest, now = (
+            np.linalg.norm(np.diff(x[grid], axis=0), axis=-1) for x in (model.mesh.points, row.x)
+        )
+        yarn = given.weave.yarns[family]
+        strains.append(((now / rest - 1) / yarn.failure_strain).ravel())
+        fibre_mass += float(yarn.fibre_density * (area * rest).sum())
+    crossovers = crossings**2 * model.mesh.share
+    return SimpleNamespace(
+        t=solver.sample("t"),
+        hourglass=solver.sample("hourglass"),
+        internal=solver.sample("fibres") + solver.sample("solids"),
+        seconds=clock.seconds / (crossovers * 1e6 * end_time),
+        bricks=model.mesh.bricks / crossovers,
+        failed=int(np.count_nonzero(~row.bar_intact)),
+        strain=float(np.concatenate(strains)[row.bar_intact].max()),
+        mass=float(row.mass.sum()),
+        fibre_mass=fibre_mass,
+        momentum=float(momentum[2]),
+    )
 
 
 def pencil(plies: int, **target: Any) -> SimpleNamespace:

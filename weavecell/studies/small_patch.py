@@ -180,7 +180,7 @@ class SmallPatch:
             failure=self.shot.yarn_failure,
         )
         solver = SolidSolver(patched, self.shot.strike_velocity, self.duration, interval=INTERVAL)
-        clock = _Clock()
+        clock = StepClock()
         solver.run([clock])
         failed = np.flatnonzero(solver.sample("failed_bars"))
         t = solver.sample("t")
@@ -222,7 +222,7 @@ class SmallPatch:
             bending=0.0,
             **{"crossovers": None, "instead": None} | choices,
         )
-        clock = _Clock()
+        clock = StepClock()
         result = run_impact(setup, hooks=[clock])
         t, z, v, force = result.step_history.T[:4]
         first = max(int(np.argmax(force != 0)) - 1, 0)
@@ -240,9 +240,9 @@ class SmallPatch:
         )
 
 
-class _Clock:
+class StepClock:
     """A hook that adds up the CPU time of the steps from the first sample on, so that compiling and
-    the set-up do not count; the first interval takes as long as the others do."""
+    the set-up do not count; the first interval is taken to last as long as the mean of the others."""
 
     def __init__(self) -> None:
         self._first = 0.0

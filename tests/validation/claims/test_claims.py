@@ -10,7 +10,12 @@ from validation.claims import claims as data
 from validation.claims import command, judge, readers, runner, runs, table
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
-TIMED = ("future-lut-equals-iteration", "cost-ratio-shell-cable-1")
+TIMED = (
+    "future-lut-equals-iteration",
+    "cost-ratio-shell-cable-1",
+    "cost-ratio-solid-shell",
+    "cost-order",
+)
 
 
 def marked(claim):
