@@ -684,8 +684,11 @@ class ShotResult(ImpactRecord, Result):
                 number = None
                 if self.pack:
                     number = ply + 1
+                fabric = self.ply_fabrics[ply] if self.ply_fabrics else ""
                 if self.measured[ply].yarns:
-                    sections.append(chapters_shot.measures(self.measured[ply], places, number))
+                    sections.append(
+                        chapters_shot.measures(self.measured[ply], places, number, fabric)
+                    )
         sections += chapters_shot.body(self)
         if case.surface is None:
             laws = {case.law_name: case.laws}
@@ -737,6 +740,8 @@ class ShotResult(ImpactRecord, Result):
         lines = [self.headline()]
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
+            if self.which_fabric:
+                lines.append(f"from the front: {self.which_fabric}")
             lines += [self.contact_words, f"by ply: {cut}", self.gap_words]
         error = text(self.energy_error_max, "%", ".3f")
         energy = f"{self.strike_energy:.2f} J"

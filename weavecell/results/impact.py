@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, field, fields
+from itertools import groupby
 from math import degrees
 from typing import TYPE_CHECKING, Any, Self
 
@@ -149,6 +150,32 @@ class ImpactRecord(ImpactData):
     def count(self) -> int:
         """Number of plies."""
         return len(self.final)
+
+    @property
+    def ply_fabrics(self) -> tuple[str, ...]:
+        """Names of the fabric of each ply from the front; empty if all plies are of one fabric."""
+        names = tuple(self.pack.get("ply_fabrics", ()))
+        if len(set(names)) < 2:
+            return ()
+        return names
+
+    def ply_name(self, ply: int) -> str:
+        """Name a ply, the first is 0, with its fabric in a pack of several."""
+        if self.ply_fabrics:
+            return f"ply {ply + 1}, {self.ply_fabrics[ply]}"
+        return f"ply {ply + 1}"
+
+    @property
+    def which_fabric(self) -> str:
+        """Say which plies are of which fabric; "" if all are of one."""
+        parts = []
+        first = 1
+        for name, plies in groupby(self.ply_fabrics):
+            last = first + len(list(plies)) - 1
+            where = f"ply {first}" if first == last else f"plies {first} to {last}"
+            parts.append(f"{where} {name}")
+            first = last + 1
+        return ", ".join(parts)
 
     @property
     def contact_words(self) -> str:

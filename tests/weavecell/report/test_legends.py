@@ -3,6 +3,7 @@ name. No two numbers of the made-up data are alike, so that nothing can be excha
 
 import ast
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace as Given
 
@@ -31,6 +32,7 @@ from weavecell.report import (
 )
 from weavecell.report.pictures_style import ORANGE, STEEL
 from weavecell.report.shot import pictures_shot
+from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Cut
 from weavecell.results.wave_fronts import Front
 from weavecell.studies import probit, v50
@@ -1062,14 +1064,70 @@ def histories(pyplot):
     return pictures_shot.histories(pyplot, record), wanted
 
 
+class Pack(Given):
+    """Of a record what names its plies."""
+
+    ply_fabrics = ImpactRecord.ply_fabrics
+    ply_name = ImpactRecord.ply_name
+    which_fabric = ImpactRecord.which_fabric
+
+
+PACKS = {
+    "one ply": [],
+    "one fabric": ["S-728"] * 9,
+    "two of one ply": ["S-728", "S-726"],
+    "two of many": ["S-728"] * 14 + ["S-726"] * 7,
+    "between": ["S-728"] * 3 + ["S-726"] * 8 + ["S-728"] * 2,
+    "three": ["S-728", "S-726", "S-720", "S-726"],
+    "more than the ramps": list("ABCDEFG"),
+}
+
+
+@pytest.mark.parametrize("fabrics", PACKS.values(), ids=PACKS)
+def test_each_ply_of_a_hybrid_is_told_by_its_fabric(fabrics):
+    """In the legend, by its colour and in words: the front ply and the rear one of each fabric are
+    named, no two neighbours of different fabrics are alike, and the words give every ply once."""
+    count = len(fabrics) or 1
+    columns = {name: numbers(4, count) for name in ("deflection", "push", "energy")}
+    record = Pack(time=rising(4, 1e-6), count=count, plies=columns, pack={"ply_fabrics": fabrics})
+    with pictures_figure.plots() as pyplot:
+        figure = pictures_shot.plies(pyplot, record)
+        labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+        drawn = [line.get_label() for line in figure.axes[0].lines]
+    hybrid = len(set(fabrics)) > 1
+    of_fabric = [f", {name}" for name in fabrics] if hybrid else [""] * count
+    assert drawn == [f"ply {k + 1}{of_fabric[k]}" for k in range(count)]
+    assert len(labels) <= 6 + 2 * len(set(fabrics))
+    if not hybrid:
+        assert record.which_fabric == "" == "".join(record.ply_fabrics)
+        return
+    for name in set(fabrics):
+        of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
+        assert f"ply {of_it[0] + 1}, {name}" in labels
+        assert f"ply {of_it[-1] + 1}, {name}" in labels
+    colours = [to_rgb(colour[:3]) for colour in pictures_shot.shades(fabrics)]
+    assert colours == [to_rgb(line.get_color()[:3]) for line in figure.axes[0].lines]
+    for one, other in pairwise(colours):
+        assert np.abs(np.subtract(one, other)).max() > 0.02
+    told = []
+    for part in record.which_fabric.split(", "):
+        where, _, name = part.rpartition(" ")
+        ends = [int(word) for word in where.split() if word.isdigit()]
+        told += [name] * (ends[-1] - ends[0] + 1)
+    assert told == fabrics
+
+
 @case(pictures_shot.plies)
 def plies(pyplot):
     columns = {name: numbers(4, 3) for name in ("deflection", "push", "energy")}
-    record = Given(time=rising(4, 1e-6), count=3, plies=columns)
+    record = Pack(
+        time=rising(4, 1e-6), count=3, plies=columns, pack={"ply_fabrics": ["A", "B", "A"]}
+    )
     t = 1e6 * record.time
 
     def by_ply(name, factor):
-        return {f"ply {k + 1}": xy(t, factor * columns[name][:, k]) for k in range(3)}
+        labels = ("ply 1, A", "ply 2, B", "ply 3, A")
+        return {label: xy(t, factor * columns[name][:, k]) for k, label in enumerate(labels)}
 
     return pictures_shot.plies(pyplot, record), {
         ("", "", "deflection [mm]"): by_ply("deflection", 1e3),
@@ -1086,8 +1144,13 @@ def cuts(pyplot):
         lines = tuple(xy(np.linspace(1e-3, 9e-3, 5), numbers(5) * 1e-3) for _ in range(2))
         cut = Cut(1e-6, numbers(1)[0] * 1e-3, lines)
         body = np.array([[-1.0, -1.5], [1.0, -2.0], [0.5, 0.0]]) * 1e-3
-        rows.append(pictures_shot.CutView(title, cut, np.array([0.2e-3, 0.5e-3]), False, body))
+        thickness = np.array([0.2e-3, 0.5e-3])
+        rows.append(pictures_shot.CutView(title, cut, thickness, False, body, ("A", "B")))
     figure = pictures_shot.cuts(pyplot, rows, 5e-3)
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["A, ply 1", "B, ply 2"]
+    swatches = [patch.get_facecolor() for patch in legend.get_patches()]
+    assert swatches == [line.get_color() for line in figure.axes[0].lines]
     for number, row in enumerate(rows):
         whole, near = figure.axes[2 * number : 2 * number + 2]
         assert whole.get_title(loc="left") == row.title

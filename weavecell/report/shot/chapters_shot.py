@@ -162,7 +162,7 @@ def critical(record: ImpactRecord, setup: ImpactSetup) -> Section:
         path = path[::-1]
     whose = "the most critical element"
     if record.count > 1:
-        whose += f" of ply {ply + 1}"
+        whose += f" of {record.ply_name(ply)}"
     more = (
         f"Black: strains of {whose}, the one whose yarn is at each instant nearest to its strength; it need not be "
         "the same one all the time, until a yarn has failed; the mark is the instant of the highest tension. A yarn "
@@ -211,15 +211,16 @@ def every_result(record: ImpactRecord) -> Table:
 def ply_table(record: ImpactRecord) -> Table:
     """Tabulate the plies of a pack, one row each."""
     shares = record.peak_tension / record.strength
-    table = display.frame(
-        {
-            "ply": ("", np.arange(1, record.count + 1)),
-            "cut yarns": ("", np.round(record.plies["cut_yarns"][-1], 1)),
-            "peak tension / strength, warp": ("%", shares[:, 0]),
-            "peak tension / strength, weft": ("%", shares[:, 1]),
-            "energy at the end": ("J", record.plies["energy"][-1]),
-        }
-    )
+    columns = {"ply": ("", np.arange(1, record.count + 1))}
+    if record.ply_fabrics:
+        columns["fabric"] = ("", np.array(record.ply_fabrics))
+    columns |= {
+        "cut yarns": ("", np.round(record.plies["cut_yarns"][-1], 1)),
+        "peak tension / strength, warp": ("%", shares[:, 0]),
+        "peak tension / strength, weft": ("%", shares[:, 1]),
+        "energy at the end": ("J", record.plies["energy"][-1]),
+    }
+    table = display.frame(columns)
     deepest = text(record.max_penetration_ratio.max(), "%", ".0f")
     caption = (
         f"Plies, from the front. Cut yarns: {PARTS}. The energy of a ply is its kinetic and stored energy and what it "
@@ -271,7 +272,7 @@ def _cone(radii, of_ply=""):
 def _plies(record):
     """What each ply of a pack does over time."""
     caption = (
-        "Each ply over time, dark at the front: largest deflection along the normal of what is connected to the "
+        f"Each ply over time, {_shading(record)}: largest deflection along the normal of what is connected to the "
         "edges; force of the projectile on it; energy that it moves with, stores and has lost."
     )
     return pictures.draw_figure("plies", caption, pictures_shot.plies, record)
@@ -286,7 +287,7 @@ def _cuts(record):
     if record.backing is not None:
         caption += " The block behind is brown."
     if record.count > 1:
-        caption += " Plies are dark at the front and light at the rear."
+        caption += f" Plies are {_shading(record)}."
     views = _cut_views(record)
     return pictures.draw_figure("cuts", caption, pictures_shot.cuts, views, CLOSE_UP)
 
@@ -302,6 +303,14 @@ def _energies(record):
     return pictures.draw_figure("energies", caption, pictures_shot.energies, record, wide=False)
 
 
+def _shading(record):
+    """How the plies of a pack are told apart, in words."""
+    words = "dark at the front and light at the rear"
+    if record.ply_fabrics:
+        words += f", in one colour for each fabric ({record.which_fabric})"
+    return words
+
+
 def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutView:
     """Return what `pictures_shot.cuts` draws of a cut of a record."""
     outline = pictures_shot.outline(record.projectile)
@@ -309,7 +318,9 @@ def cut_view(record: ImpactRecord, cut: Cut, title: str) -> pictures_shot.CutVie
         half = cut.body[record.metal.outline]
         outline = np.concatenate([half, half[::-1] * [-1, 1]])
     outline[:, 0] += record.nose_place(cut.time)[0]
-    return pictures_shot.CutView(title, cut, record.thickness, record.mirror_x, outline)
+    return pictures_shot.CutView(
+        title, cut, record.thickness, record.mirror_x, outline, record.ply_fabrics
+    )
 
 
 def _cut_views(record):
@@ -459,7 +470,9 @@ def describe_assumed_range(around: AssumedRange) -> Section:
     return Section("assumed", "What the assumed laws leave open", lead, figures, (table,))
 
 
-def measures(recorded: Histories, places: Sequence[float], ply: int | None = None) -> Section:
+def measures(
+    recorded: Histories, places: Sequence[float], ply: int | None = None, fabric: str = ""
+) -> Section:
     """Show what was recorded along yarns.
 
     Parameters
@@ -467,6 +480,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     recorded : shellfabric.loop.histories.Histories of at least one yarn
     places : [m] along the yarns whose histories are drawn
     ply : number of the ply in a pack, the first is 1; None of a single panel
+    fabric : of this ply, in a pack of several
     """
     from weavecell.results.wave_fronts import fronts
 
@@ -475,7 +489,7 @@ def measures(recorded: Histories, places: Sequence[float], ply: int | None = Non
     title = "Along the yarns"
     if ply is not None:
         of_ply = f"-ply-{ply}"
-        title += f", ply {ply}"
+        title += f", ply {ply}" + (f", {fabric}" if fabric else "")
     reach = max(yarn.X[-1] for yarn in recorded.yarns)
     within = [place for place in places if place <= reach]
     nearest = [recorded.through(family) for family in ("warp", "weft")]

@@ -53,6 +53,8 @@ def section(
     if record.metal is not None:
         most = max(_rings(record, t)[:, 2].max() for _, t in instants)
         caption += _OF_METAL.format(f"{most:.2g}")
+    if record.ply_fabrics:
+        caption += f" From the front: {record.which_fabric}."
     if record.backing is not None:
         caption += " Brown: half of the face of the block behind."
     return Section(

@@ -16,9 +16,15 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
 
-# plies from the front to the rear
-_STEPS = ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0")
-_MOST_NAMED = 6  # plies in a legend
+# colours of plies from the front, dark, to the rear, of the first fabric of a pack and the others
+_RAMPS = (
+    ("#0b1a4a", "#1a4f92", "#2b83ba", "#6bb0d0", "#9fcbe0"),
+    ("#6b2600", "#b34700", "#e07a1f", "#f3a95c", "#f8cb98"),
+    ("#00382b", "#006b52", "#009e73", "#5cc4a4", "#a3dfcd"),
+    ("#4a1236", "#8a2f66", "#c0608f", "#d892b5", "#ecc3d8"),
+)
+_MOST_NAMED = 6  # plies of one fabric in a legend
+_IN_A_ROW = 6, 4  # names in a row of a legend: of plies alone, with their fabrics
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
@@ -45,8 +51,6 @@ def histories(pyplot: Any, record: ImpactRecord) -> Any:
 
 def plies(pyplot: Any, record: ImpactRecord) -> Any:
     """Draw deflection, force of the nose and energy of each ply over time, one below the other."""
-    from matplotlib.colors import LinearSegmentedColormap
-
     figure, grid = pyplot.subplots(3, 1, figsize=(9, 8.4), sharex=True)
     labels = {
         "deflection": "deflection [mm]",
@@ -54,21 +58,42 @@ def plies(pyplot: Any, record: ImpactRecord) -> Any:
         "energy": "energy [J]",
     }
     factors = {"deflection": MM, "push": 1e-3, "energy": 1.0}
-    # from the front, dark, to the rear
-    colours = LinearSegmentedColormap.from_list("plies", _STEPS)(np.linspace(0, 1, record.count))
+    fabrics = record.ply_fabrics
+    colours = shades(fabrics or ("",) * record.count)
     for axes, (name, label) in zip(grid, labels.items()):
         for k, colour in enumerate(colours):
             values = factors[name] * record.plies[name][:, k]
-            axes.plot(US * record.time, values, color=colour, lw=1.4, label=f"ply {k + 1}")
+            axes.plot(US * record.time, values, color=colour, lw=1.4, label=record.ply_name(k))
         axes.set_ylabel(label)
     grid[-1].set(xlabel="time after strike [µs]", xlim=(0, US * float(record.time[-1])))
     # of many plies a few are named
     lines, names = grid[0].get_legend_handles_labels()
-    every = -(-record.count // _MOST_NAMED)
-    grid[0].legend(lines[::every], names[::every], ncols=_MOST_NAMED, fontsize=10, loc="upper left")
+    named = _named_plies(fabrics or ("",) * record.count)
+    columns = _IN_A_ROW[bool(fabrics)]
+    grid[0].legend(
+        [lines[k] for k in named],
+        [names[k] for k in named],
+        ncols=columns,
+        fontsize=10,
+        loc="upper left",
+    )
     low, high = grid[0].get_ylim()
-    grid[0].set_ylim(low, low + 1.3 * (high - low))
+    # the legend stands above the curves
+    rows = -(-len(named) // columns)
+    grid[0].set_ylim(low, low + (1.12 + 0.16 * rows) * (high - low))
     return figure
+
+
+def _named_plies(fabrics):
+    """Numbers of the plies that a legend names: some of many, of each fabric at least the first and the
+    last, so that the front and the rear of each are told."""
+    every = -(-len(fabrics) // _MOST_NAMED)
+    named = set(range(0, len(fabrics), every))
+    if len(set(fabrics)) > 1:
+        for name in set(fabrics):
+            of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
+            named |= {of_it[0], of_it[-1]}
+    return sorted(named)
 
 
 @dataclass(frozen=True)
@@ -82,6 +107,7 @@ class CutView:
     thickness : (plies,) [m]
     mirrored : whether the modelled part continues mirrored in x = 0
     projectile : (n, 2) [m] its outline, the foremost point at height 0
+    fabrics : (plies,) names, of a pack of several fabrics
     """
 
     title: str
@@ -89,6 +115,12 @@ class CutView:
     thickness: np.ndarray
     mirrored: bool
     projectile: np.ndarray
+    fabrics: tuple[str, ...] = ()
+
+    @property
+    def colours(self) -> list:
+        """Of each ply."""
+        return shades(self.fabrics or ("",) * len(self.thickness))
 
 
 def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | None = None) -> Any:
@@ -109,7 +141,14 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
         width_ratios=(1.15, 1),
         layout="none",
     )
-    place(figure, 0.8, 0.15, 0.65, 0.4, across=0.45, down=0.6)
+    fabrics = rows[0].fabrics
+    below = 0.35 if fabrics else 0.0
+    figure.set_figheight(figure.get_figheight() + below)
+    place(figure, 0.8, 0.15, 0.65 + below, 0.4, across=0.45, down=0.6)
+    if fabrics:
+        # a ply near the middle of each has the colour that its fabric is known by
+        handles = [_swatch(rows[0].colours, fabrics, name) for name in dict.fromkeys(fabrics)]
+        figure.legend(handles=handles, loc="lower center", ncols=len(handles), fontsize=10)
     if top is None:
         top = max(foremost(row.cut) for row in rows)
     for axes_row, row in zip(grid, rows):
@@ -134,7 +173,7 @@ def fill_cut(whole: Any, near: Any, row: CutView, close_up: float, top: float) -
         for artist in (*axes.lines, *axes.patches):
             artist.remove()
         axes.fill(*(MM * body.T), fc="#d5dae0", ec=STEEL, lw=1.0, zorder=1)
-        for line, thickness, colour in zip(cut.lines, row.thickness, shades(len(row.thickness))):
+        for line, thickness, colour in zip(cut.lines, row.thickness, row.colours):
             for image in _images(line, row.mirrored):
                 axes.plot(*(MM * image.T), color=colour, lw=1.4, zorder=2, solid_joinstyle="round")
                 if axes is near:
@@ -252,9 +291,37 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     return figure
 
 
-def shades(count: int) -> list:
-    """Choose colours of plies from the front to the rear, in even steps."""
+def shades(fabrics: Sequence[str]) -> list:
+    """Choose the colour of each ply of a pack, given the name of its fabric: one ramp for each fabric,
+    in even steps from its front ply to its rear one."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    ramp = LinearSegmentedColormap.from_list("plies", _STEPS)
-    return [ramp(n / max(1, count - 1)) for n in range(count)]
+    colours: list = [None] * len(fabrics)
+    for number, name in enumerate(dict.fromkeys(fabrics)):
+        steps = _RAMPS[number % len(_RAMPS)]
+        ramp = LinearSegmentedColormap.from_list("plies", steps)
+        of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
+        for n, k in enumerate(of_it):
+            colours[k] = ramp(n / max(1, len(of_it) - 1))
+    return colours
+
+
+def _swatch(colours, fabrics, name):
+    """The entry of a legend for a fabric of a pack."""
+    from matplotlib.patches import Patch
+
+    of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
+    where = "ply" if len(of_it) == 1 else "plies"
+    numbers = ", ".join(_spans(of_it))
+    return Patch(color=colours[of_it[len(of_it) // 2]], label=f"{name}, {where} {numbers}")
+
+
+def _spans(plies):
+    """Numbers of plies from 1, those that follow each other as "2 to 5"."""
+    spans = []
+    for k in plies:
+        if spans and spans[-1][1] == k:
+            spans[-1][1] = k + 1
+        else:
+            spans.append([k + 1, k + 1])
+    return [f"{first}" if first == last else f"{first} to {last}" for first, last in spans]
