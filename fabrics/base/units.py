@@ -74,6 +74,8 @@ _PER = re.compile(
 
 # a count, as in "8.5 yarns/cm"
 _YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")
+# of a strip that breaks
+_FORCES = {**dict.fromkeys(("lb", "lbs", "pound", "pounds"), "lbf"), "kg": "kgf"}
 # what data sheets write, in small letters, as a unit of pint, whose own mil is an angle
 _ALIASES = {
     # ends, picks and threads per inch
@@ -210,10 +212,21 @@ def _factor(written, unit):
         raise ValueError("no unit")
     if unit == "1/m":
         written = _YARNS.sub("", written, count=1)
+    if unit == "N/m":
+        return _force_over_width(written)
     factor = FACTORS.get(unit, {}).get(written)
     if factor is None:
         return _factor_by_pint(written, unit)
     return factor
+
+
+def _force_over_width(written):
+    """The factor of a strip's strength: "N/5cm", "daN / 50 mm" and "lb/in", whose pound is a force."""
+    over = re.fullmatch(r"(\w+) ?(?:/|per) ?([0-9]+)? ?(\w+)", written)
+    if over is None:
+        return _factor_by_pint(written, "N/m")
+    force = _FORCES.get(over[1].lower(), over[1])
+    return _factor_by_pint(f"{force}/{over[3]}", "N/m") / int(over[2] or 1)
 
 
 def _factor_by_pint(written, unit):

@@ -97,6 +97,9 @@ class Family:
         have
     entries : {dotted key: Entry} of [shear] and [solid]
     strain_rate : RateLaw, or None if no numbers are known
+    typical : {"modulus", "fibre_density", "strength": row of the file} of a yarn whose sheet does not
+        say it
+    linear : whether such fibres are linear up to their strength
     shots : {name of an entry of data_sheet.toml: Entry in its place}
     power, of_others : [-] of the ranges (`Entry.widened`) of other yarns, and whether it stands for
         these
@@ -107,6 +110,8 @@ class Family:
     strengths: dict[str, tuple[float, float]]
     entries: dict[str, Entry]
     strain_rate: RateLaw | None = None
+    typical: Mapping[str, dict[str, str]] = field(default_factory=dict)
+    linear: bool = True
     shots: Mapping[str, Entry] = field(default_factory=dict)
     power: float = 1.0
     of_others: bool = False
@@ -118,7 +123,11 @@ class Family:
 
     def holds(self, yarn: Yarn) -> bool:
         """Tell whether a yarn belongs to the family, by modulus and fibre density."""
-        fibre = {"modulus": yarn.E, "fibre_density": yarn.fibre_density}
+        return self.holds_fibre(yarn.E, yarn.fibre_density)
+
+    def holds_fibre(self, modulus: float, fibre_density: float) -> bool:
+        """Tell whether a fibre of modulus [Pa] and density [kg/m3] belongs to the family."""
+        fibre = {"modulus": modulus, "fibre_density": fibre_density}
         return all(low <= fibre[key] <= high for key, (low, high) in self.limits.items())
 
     def allows(self, fibre: dict[str, float]) -> bool:
@@ -192,7 +201,17 @@ def _read(path: FilePath) -> Family:
     law = rates and RateLaw.from_table(rates, path)
     power = content["other_yarns"]["power"]["value"]
     shots = {name: entry(row, "") for name, row in content.get("shots", {}).items()}
-    return Family(content["name"], limits, strengths, entries, law, shots, power)
+    return Family(
+        content["name"],
+        limits,
+        strengths,
+        entries,
+        law,
+        content["typical"],
+        content["yarns"].get("linear", True),
+        shots,
+        power,
+    )
 
 
 def entry(table: dict[str, Any], unit: str) -> Entry:

@@ -538,9 +538,9 @@ def new_fabric(
     if strip is not None:
         strip = quantities.pair(strip, "m", "strip", "width and length")
     if values is None:
-        entered = _ask_values()
+        entered = _ask_values(family)
     else:
-        entered = fabric_file.read_values(values)
+        entered = fabric_file.read_values(values, family)
     draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
     draft, fitted = fabric_file.with_curves(
         draft,
@@ -551,13 +551,14 @@ def new_fabric(
         strip=strip,
     )
     fabric = draft.write(path)
-    for line in (*fitted, *fabric_file.left_open(fabric, path)):
+    stands_in = [value.line(key) for key, value in draft.values.items() if value.stands_in]
+    for line in (*fitted, *stands_in, *fabric_file.left_open(fabric, path)):
         logging.getLogger("weavecell").info(line)
 
 
-def _ask_values():
+def _ask_values(family):
     """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be
-    open left empty."""
+    open, or is typical of the fibre family, left empty."""
     import typer
 
     from weavecell.scenes import fabric_file
@@ -576,13 +577,18 @@ def _ask_values():
     values = {}
     for key in fabric_file.REQUIRED:
         others = fabric_file.INSTEAD.get(key, ())
-        if others:
+        typical = family is not None and key in fabric_file.TYPICAL
+        if typical:
+            skip = f" (Enter: typical of {family}, assumed)"
+        elif others:
             skip = f" (Enter: from the {others[-1]})"
         else:
             skip = ""
         asked = fabric_file.ALL[key]
         text = f"{key} of the warp, {asked.meaning}, such as {asked.example}{skip}"
-        warp = value(key, text, "" if others else None)
+        warp = value(key, text, "" if others or typical else None)
+        if not warp and typical:
+            continue
         if not warp:
             key = others[-1]
             asked = fabric_file.ALL[key]
@@ -592,7 +598,7 @@ def _ask_values():
         else:
             weft = value(key, f"{key} of the weft", warp)
         values[key] = fabric_file.Value(warp, weft, source)
-    return values
+    return fabric_file.complete(values, family)
 
 
 def view(

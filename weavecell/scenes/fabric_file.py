@@ -29,23 +29,16 @@ from fabrics.base.units import decimal_comma, refused, si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
 from weavecell.scenes import curves
+from weavecell.scenes.missing_values import BREAKING, OF_STRIP, Value, complete
 
 # of both yarns
 REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
-ALL = OF_YARN | OF_FABRIC
+ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
 # key of REQUIRED that may be left out: keys of which one then stands in for it
-INSTEAD = {"failure_strain": ("strength", "tenacity"), "crimp": ("thickness",)}
+INSTEAD = {"failure_strain": ("strength", BREAKING, "tenacity"), "crimp": ("thickness",)}
+# of which a fibre family has a typical value
+TYPICAL = ("fibre_density", "modulus", "failure_strain")
 COLUMNS = ("key", "warp", "weft", "source", "status")
-
-
-@dataclass(frozen=True)
-class Value:
-    """One value of both families, as written, with where it comes from."""
-
-    warp: str
-    weft: str
-    source: str
-    status: str = "user"
 
 
 @dataclass(frozen=True)
@@ -91,7 +84,8 @@ class Draft:
             lines += ["", f"[{family}]"]
             for key, value in self.values.items():
                 if key not in OF_FABRIC:
-                    entry = _entry(getattr(value, family), value.source, value.status)
+                    ends = value.ranges.get(family)
+                    entry = _entry(getattr(value, family), value.source, value.status, ends)
                     lines.append(f"{key} = {entry}")
         if self.shear:
             lines += [
@@ -125,8 +119,12 @@ def check(key: str, text: str) -> str:
     return text.strip()
 
 
-def read_values(path: FilePath) -> dict[str, Value]:
-    """Read the values of a CSV file.
+def read_values(path: FilePath, family: str | None = None) -> dict[str, Value]:
+    """Read the values of a CSV file, and complete them by the fibre family (`missing_values`).
+
+    Parameters
+    ----------
+    family : that the user names, or None
 
     Raises
     ------
@@ -165,12 +163,17 @@ def read_values(path: FilePath) -> dict[str, Value]:
             )
         elif (value := _row(dict(zip(heading, cells)), number, path, problems)) is not None:
             values[key] = value
+    values = complete(values, family)
+    tried |= set(values)
     for key in REQUIRED:
         others = INSTEAD.get(key, ())
         if not tried & {key, *others}:
             more = ""
+            if key in TYPICAL:
+                named = option("family", "...")
+                more = f"; or {named} with its fibre family, whose typical value is then assumed"
             if others:
-                more = f", or {' or '.join(others)} in its place"
+                more = f", or {' or '.join(others)} in its place{more}"
             allowed = f'such as "{ALL[key].example}"{more}'
             problems.append(InputError("is missing", file=path, key=key, allowed=allowed))
     if problems:
@@ -321,8 +324,14 @@ def left_open(fabric: Fabric, path: FilePath) -> list[str]:
     return [*fabric.notes, *assumed.lines(fabric), f"written to {path}", *missing]
 
 
-def _entry(value, source, status):
-    return f"{{ value = {_quote(value)}, source = {_quote(source)}, status = {_quote(status)} }}"
+def _entry(value, source, status, ends=None):
+    span = ""
+    if ends is not None:
+        low, high = map(_quote, ends)
+        span = f" low = {low}, high = {high},"
+    return (
+        f"{{ value = {_quote(value)},{span} source = {_quote(source)}, status = {_quote(status)} }}"
+    )
 
 
 def _quote(text):

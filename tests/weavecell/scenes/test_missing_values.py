@@ -1,0 +1,137 @@
+"""Sheets that print what pages on fabrics print: each becomes a fabric, or the stop says what to write."""
+
+import itertools
+import logging
+
+import pytest
+
+import weavecell as wc
+from fabrics import assumed
+from fabrics.base.errors import InputError
+from fabrics.base.units import si
+from fabrics.fabric_tables import FIBRES
+from fabrics.families import list_families
+from weavecell.scenes import fabric_file
+
+PAGE = {
+    "linear_density": ("1000 denier", "1100 dtex"),
+    "count": ("24 / inch", "9 / cm"),
+    "thickness": ("0.4 mm", ""),
+}
+MORE = {
+    "fibre_density": {
+        family.name: family.typical["fibre_density"]["value"] for family in list_families()
+    },
+    "modulus": {family.name: family.typical["modulus"]["value"] for family in list_families()},
+    "strength": {family.name: family.typical["strength"]["value"] for family in list_families()},
+}
+
+
+def sheet(tmp_path, values):
+    rows = [
+        "key,warp,weft,source",
+        *(f"{key},{warp},{weft},a page" for key, (warp, weft) in values.items()),
+    ]
+    path = tmp_path / "sheet.csv"
+    path.write_text("\n".join(rows))
+    return path
+
+
+@pytest.mark.parametrize("family", FIBRES)
+@pytest.mark.parametrize("printed", list(itertools.product((False, True), repeat=3)))
+def test_a_page_of_any_family_becomes_a_fabric(family, printed, tmp_path):
+    """Whatever of modulus, density and strength it prints; what stands in has a range, within the family."""
+    own = {key: (MORE[key][family],) * 2 for key, there in zip(MORE, printed) if there}
+    path = sheet(tmp_path, PAGE | own)
+    wc.new_fabric(tmp_path / "mine.toml", values=path, family=family)
+    fabric = wc.fabric(tmp_path / "mine.toml")
+    found = assumed.family_of(fabric)
+    assert found.name == family
+    assert not found.of_others
+    varied = {key.partition(".")[2] for key in fabric.ranges if key.startswith(("warp.", "weft."))}
+    assert varied == {key for key, there in zip(MORE, printed) if not there} - {"fibre_density"}
+    ends = assumed.ends(assumed.with_shear(fabric))
+    for key in varied:
+        for end in ends[key].values():
+            for yarn in end.weave.yarns:
+                assert found.allows(
+                    {
+                        "strength": yarn.E * yarn.failure_strain,
+                        "failure_strain": yarn.failure_strain,
+                    }
+                )
+
+
+@pytest.mark.parametrize("key", ["fibre_density", "modulus", "failure_strain"])
+def test_a_stop_says_what_to_write(key, tmp_path):
+    given = {"fibre_density": "1.38 g/cm^3", "modulus": "11 GPa", "tenacity": "8 g/den"}
+    del given[{"failure_strain": "tenacity"}.get(key, key)]
+    path = sheet(tmp_path, PAGE | {name: (text, "") for name, text in given.items()})
+    with pytest.raises(InputError) as refused:
+        fabric_file.read_values(path)
+    assert f"{key}: is missing" in str(refused.value)
+    assert "family" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "text, force",
+    [
+        ("400 lbf/inch", 70050.7),
+        ("400 lb/in", 70050.7),
+        ("2500 N/5cm", 5e4),
+        ("250 daN / 50 mm", 5e4),
+        ("50 N/mm", 5e4),
+    ],
+)
+def test_the_strength_of_a_strip_is_that_of_its_yarns(text, force, tmp_path):
+    """Force over width and count, before weaving takes its share."""
+    assert si(text, "N/m") == pytest.approx(force, rel=1e-5)
+    path = sheet(tmp_path, PAGE | {"breaking_strength": (text, "300 lbf/inch")})
+    values = fabric_file.read_values(path, "nylon")
+    share = (
+        next(each for each in list_families() if each.name == "nylon")
+        .shots["strength after weaving"]
+        .value
+    )
+    warp, weft = (si(getattr(values["strength"], yarn), "N") for yarn in ("warp", "weft"))
+    assert warp * share == pytest.approx(force * 0.0254 / 24, rel=1e-3)
+    assert weft * share == pytest.approx(300 * 4.44822 / 0.0254 / 900, rel=1e-3)
+    low, high = values["strength"].ranges["weft"]
+    assert si(low, "N") == weft
+    assert si(high, "N") == pytest.approx(1.25 * weft, rel=1e-3)
+
+
+NOT_LINEAR = {
+    "modulus": ("100 g/den", "11 GPa"),
+    "fibre_density": ("1.38 g/cm^3", ""),
+    "tenacity": ("8.5 g/den", ""),
+}
+
+
+def test_a_yarn_that_is_not_linear_takes_a_modulus_between_its_own(tmp_path, caplog):
+    path = sheet(tmp_path, PAGE | NOT_LINEAR | {"failure_strain": ("14 %", "13 %")})
+    with caplog.at_level(logging.INFO, "weavecell"):
+        wc.new_fabric(tmp_path / "pet.toml", values=path)
+    assert "polyester is not linear" in caplog.text
+    fabric = wc.fabric(tmp_path / "pet.toml")
+    strength = 8.5 * 9.80665e-3 * 9000 / 1e-3 * 1380  # [Pa]
+    for yarn, at_first, strain, name in zip(
+        fabric.weave.yarns, (100 / 8.5 * strength, 11e9), (0.14, 0.13), ("warp", "weft")
+    ):
+        secant = strength / strain
+        assert yarn.E == pytest.approx((at_first * secant) ** 0.5, rel=1e-3)
+        assert yarn.E * yarn.failure_strain == pytest.approx(strength, rel=1e-3)
+        low, high = fabric.ranges[f"{name}.modulus"]
+        assert (low * yarn.E, high * yarn.E) == pytest.approx((secant, at_first), rel=1e-3)
+
+
+def test_three_numbers_of_a_linear_fibre_that_disagree_are_refused(tmp_path):
+    numbers = {
+        "modulus": ("85 GPa", ""),
+        "fibre_density": ("1.44 g/cm^3", ""),
+        "strength": ("3 GPa", ""),
+    }
+    path = sheet(tmp_path, PAGE | numbers | {"failure_strain": ("5 %", "")})
+    with pytest.raises(InputError, match="check the three, or leave one out"):
+        wc.new_fabric(tmp_path / "mine.toml", values=path)
+    assert not (tmp_path / "mine.toml").exists()
