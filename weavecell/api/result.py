@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping
-from html import escape
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from fabrics import assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import DoubtfulResult
 from weavecell.api.user_warnings import warn_user
-from weavecell.results import display, keys
+from weavecell.results import display, glossary, keys
 from weavecell.results.left_out import LeftOut
 
 if TYPE_CHECKING:
@@ -152,7 +151,9 @@ class Result:
         # a notebook shows the outcome in bold, then what the terminal prints
         (first, *others) = str(self).splitlines()
         table = self._notebook_table()
-        lines = "\n".join((f"<b>{escape(first)}</b>", *map(escape, others)))
+        told: set[str] = set()
+        marked = [glossary.mark(line, told) for line in (first, *others)]
+        lines = "\n".join((f"<b>{marked[0]}</b>", *marked[1:]))
         parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
         if hasattr(self, "plot"):
             picture = b64encode(self.plot()._repr_png_()).decode()

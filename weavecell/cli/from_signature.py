@@ -24,6 +24,7 @@ from fabrics.base.files import parse_toml
 from weavecell.api.lists import format_for_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
+from weavecell.results import glossary
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
@@ -108,6 +109,9 @@ def command(
             read_again = getattr(result, "read_from", None) is not None
             if "out" in values and not values.get("check") and not read_again:
                 print(f"written to {values['out']}", flush=True)
+            printed = "\n".join((str(result), *result.assumed, result.checks_text))
+            if explained := glossary.lines(printed, result.checks):
+                print("words:", *explained, sep="\n", flush=True)
             checks.report(result.checks, strict)
         elif strict and result is not None and result.doubtful:
             # the folder of a run that was finished before

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
+from weavecell.results import glossary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -106,6 +107,7 @@ class Report:
 def render(report: Report) -> str:
     """Render the page as text."""
     import jinja2
+    import markupsafe
 
     folder = resources.files("weavecell.report") / "templates"
     loader = jinja2.FunctionLoader(lambda name: (folder / name).read_text("utf-8"))
@@ -116,7 +118,9 @@ def render(report: Report) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    return environment.get_template("report.html.j2").render(report=report)
+    words = glossary.Marker(markupsafe.Markup)
+    environment.filters["explained"] = words.mark
+    return environment.get_template("report.html.j2").render(report=report, words=words)
 
 
 def write(report: Report, path: FilePath) -> None:

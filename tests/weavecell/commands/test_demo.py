@@ -25,6 +25,7 @@ CHAPTERS = [
     "assumptions",
     "sources",
     "making",
+    "words",
 ]
 
 
