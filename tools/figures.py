@@ -114,7 +114,7 @@ def shrink(path, width=1000, most=4e5):
 
 
 def reports(_):
-    """Draw the charts of cost against error and the maps of stability."""
+    """Draw the charts of cost against error, the costs of models, and the maps of stability."""
     report_charts.write(FIGURES)
 
 
