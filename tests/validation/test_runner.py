@@ -163,6 +163,7 @@ def test_every_study_can_be_run(name):
                 impact.shot,
                 impact.several,
                 impact.limit,
+                impact.first_failure,
                 impact.means,
                 impact.stepped,
             ):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from math import log1p, nan, pi
+from math import inf, log1p, nan, pi, sqrt
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -14,11 +15,12 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import metals, ply_laws
-from fabrics.base.errors import UndecidedError, UnstableError
+from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact.run import run_impact, run_impact_or_partial
+from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import PlyContact
 from shellfabric.projectile.bar import Bar
@@ -114,6 +116,7 @@ def setup(
     bar_of: str | None = None,
     unchecked: Values | None = None,
     contact: Values | None = None,
+    pinned_zone: bool = False,
     **keywords: Any,
 ) -> ImpactSetup:
     """Build the set-up of a shot.
@@ -128,6 +131,7 @@ def setup(
     bar_of : metal of an elastic-plastic bar along the axis (`as_bar`), in place of a rigid projectile
     unchecked : fields of Numerics, which are not checked
     contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
+    pinned_zone : whether the crossings of resolved yarns are pinned: their friction is infinite
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
     """
     cloth: Any = fabric
@@ -148,6 +152,8 @@ def setup(
     if unchecked is not None:
         given = {entry.name: getattr(made.numerics, entry.name) for entry in fields(Numerics)}
         made = replace(made, numerics=Unchecked(**given | dict(unchecked)))
+    if pinned_zone:
+        made = replace(made, crossovers=replace(made.crossovers, friction=inf))
     if mesh == "coarser":
         return replace(made, elements_per_crossover=1)
     if mesh == "finer":
@@ -373,6 +379,70 @@ def limit(
         "p_interval": fit.intervals["p"],
         "rms": fit.residual_rms,
     }
+
+
+def first_failure(
+    *, low: float, high: float, share: float = 0.006, end_time: float = 500e-6, **keywords: Any
+) -> Values:
+    """Find the lowest strike velocity at which a yarn fails: unlike a limit, it does not rest on
+    what torn fabric does.
+
+    Parameters
+    ----------
+    low, high : [m/s] at which no yarn fails, and one does
+    share : width of the bracket over its lower end
+    end_time : [s] of a shot in which none fails
+    keywords : of `setup`
+
+    Returns
+    -------
+    dict with velocity and half_width [m/s], error [-], the largest of the energy balance over the
+    strike energy until then
+
+    Raises
+    ------
+    InputError : yarns that fail at `low`, or do not at `high`
+    UnstableError : as the solver
+    """
+    this = setup(**keywords)
+    target = this.target(this.table(kept=True))
+    worst = 0.0
+
+    def fails(velocity):
+        nonlocal worst
+        solver = PackSolver(target, velocity, end_time, interval=this.audit_interval)
+        with suppress(YarnFailed):
+            solver.run([end_at_a_failure])
+        worst = max(worst, float(np.abs(solver.sample("error")).max()) / solver.strike_energy)
+        return any(state.failed_segments for state in solver.states)
+
+    if fails(low) or not fails(high):
+        allowed = (
+            f"a velocity [m/s] at which no yarn fails, and below {high:g} one at which one does"
+        )
+        raise InputError(key="low", value=low, allowed=allowed)
+    while high / low > 1 + share:
+        middle = sqrt(low * high)
+        if fails(middle):
+            high = middle
+        else:
+            low = middle
+    return {"velocity": 0.5 * (low + high), "half_width": 0.5 * (high - low), "error": worst}
+
+
+class YarnFailed(Exception):
+    """The first yarn of a shot has failed."""
+
+
+def end_at_a_failure(solver: PackSolver) -> None:
+    """End a run whose yarns have begun to fail: a hook.
+
+    Raises
+    ------
+    YarnFailed : once a segment has failed
+    """
+    if any(state.failed_segments for state in solver.states):
+        raise YarnFailed
 
 
 def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> Values:
