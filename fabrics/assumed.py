@@ -21,6 +21,7 @@ from dataclasses import replace
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import (
     FAMILIES,
+    FRICTION_BETWEEN_PLIES,
     FROM_THICKNESS,
     OF_SHOTS,
     crimps,
@@ -299,6 +300,21 @@ def shot_entries(*fabrics: Fabric) -> dict[str, Entry]:
             first = replace(first, low=low, high=high, written=written)
         found[name] = first
     return found
+
+
+def friction_of_yarns(usual: Entry, *fabrics: Fabric) -> Entry:
+    """Return the friction of yarn on yarn at a crossover: as of plies, which are of the same yarns, where
+    their fibre family has that; else `usual`.
+
+    Of several fabrics it is the value of the first, in the range of all.
+    """
+    families = list(map(family_of, fabrics)) or [None]
+    of_each = [
+        usual if of is None else of.shots.get(FRICTION_BETWEEN_PLIES, usual) for of in families
+    ]
+    low = min(each.low for each in of_each)
+    high = max(each.high for each in of_each)
+    return replace(of_each[0], low=low, high=high)
 
 
 def laws(fabric: Fabric) -> list[str]:

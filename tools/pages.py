@@ -9,6 +9,7 @@ With --check it names the pages that are out of date and ends with 1. A mark is 
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import textwrap
 from collections.abc import Callable
@@ -317,8 +318,8 @@ def main() -> None:
         sys.exit("".join(f"out of date: {page}\n" for page in pages) or 0)
     for page in set(pages) & set(MARKED):
         (ROOT / page).write_text(made(page), "utf-8")
-    # after the keywords of Python, which its page has
-    reference_pages.write(GENERATED)
+    # by a process that imports the keywords of Python as they are now
+    subprocess.run([sys.executable, str(ROOT / "tools" / "reference_pages.py")], check=True)
     for page in pages:
         print(f"written: {page}")
     architecture.diagram()

@@ -51,6 +51,8 @@ class YarnZone:
         takes the default
     friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
     lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
+    assumed_friction : (low, high) of a friction that is assumed of a fibre family; empty of one that
+        is given, and of the default, whose range is in assumed.toml
     seed : of the aim, by which plies of a pack are shifted against each other (`lie_anywhere`)
 
     Raises
@@ -62,6 +64,7 @@ class YarnZone:
     friction: float = DATA["crossover_friction"]["value"]
     lateral: float = 1.0
     seed: int | Sequence[int] | None = None
+    assumed_friction: tuple[float, ...] = ()
 
     def __post_init__(self):
         if not self.width > 0:
@@ -79,13 +82,20 @@ class YarnZone:
         return max(HALF_WIDTH, DRAWN / self.friction) if self.friction > 0 else inf
 
     @property
+    def friction_range(self) -> tuple[float, ...]:
+        """(low, high) of the friction; empty of one that is given."""
+        entry = DATA["crossover_friction"]
+        if not self.assumed_friction and self.friction == entry["value"]:
+            return entry["low"], entry["high"]
+        return self.assumed_friction
+
+    @property
     def assumed_lines(self) -> tuple[str, ...]:
         """A line about the friction if it is the assumed one, which decides the outcome of many
         shots."""
-        entry = DATA["crossover_friction"]
-        if self.friction != entry["value"]:
+        if not self.friction_range:
             return ()
-        span = f"{entry['low']:g} .. {entry['high']:g}"
+        span = "{:g} .. {:g}".format(*self.friction_range)
         return (
             f"assumed: friction between resolved yarns {self.friction:g} ({span}), "
             "which decides whether a nose passes between them",

@@ -107,8 +107,8 @@ class Keywords(TypedDict, total=False):
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; by it, too, the plies of a pack whose edges are clamped are shifted
         against each other, by 0 if not given; a whole number from 0 to 2147483647
-    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not
-        given; a number from 0 to 2
+    crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre
+        family if not given, 0.2 of para-aramid; a number from 0 to 2
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"

@@ -89,12 +89,9 @@ def name_friction(setup: ImpactSetup, around: Any = None) -> str:
         return ""
     if around is not None:
         return around.over_friction_between_yarns
-    if not setup.crossovers.assumed_lines:
+    if not setup.crossovers.friction_range:
         return ""
-    from weavecell.studies.inputs import FRICTION_OF_CROSSOVERS, ranges
-
-    entry = ranges()[FRICTION_OF_CROSSOVERS]
-    return f"friction between yarns assumed, {entry.low:g} to {entry.high:g}"
+    return "friction between yarns assumed, {:g} to {:g}".format(*setup.crossovers.friction_range)
 
 
 def brief_words(left_out: Iterable[LeftOut], chosen: str = "") -> str:

@@ -16,6 +16,7 @@ from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import Table, entries, tables
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
+from fabrics.families import entry
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
@@ -401,7 +402,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].value
-        zone = _build_yarn_zone(panel)
+        zone = _build_yarn_zone(
+            panel, [case.fabric, *(ply.fabric for ply in given.get("lay_up") or ())]
+        )
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
@@ -420,17 +423,24 @@ def _collect_given(table, *but):
     return {key: value for key, value in table if value is not None and key not in but}
 
 
-def _build_yarn_zone(table):
-    """The zone of resolved yarns; None of pinned crossovers."""
+def _build_yarn_zone(table, fabrics):
+    """The zone of resolved yarns, with the friction that is assumed of the fabrics; None of pinned
+    crossovers."""
     if table.crossovers == "pinned":
         return None
-    from shellfabric.yarns.model import YarnZone
+    from shellfabric.yarns.model import DATA, YarnZone
 
     given = {
         "half_width": table.zone,
         "friction": table.crossover_friction,
         "seed": table.aim_seed,
     }
+    if table.crossover_friction is None:
+        usual = entry(DATA["crossover_friction"], "")
+        friction = assumed.friction_of_yarns(usual, *fabrics)
+        if friction != usual:
+            given["friction"] = friction.value
+            given["assumed_friction"] = (friction.low, friction.high)
     return YarnZone(**{field: value for field, value in given.items() if value is not None})
 
 

@@ -398,7 +398,7 @@ class PanelTable(Table):
         2**31 - 1,
     ) = None
     crossover_friction: number(
-        "resolved yarns: Coulomb coefficient of yarn on yarn; 0.2 (assumed) if not given",
+        "resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre family if not given, 0.2 of para-aramid",
         0.2,
         ge=0.0,
         le=2.0,

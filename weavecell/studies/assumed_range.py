@@ -100,8 +100,9 @@ class AssumedRange:
         if name not in self.widths:
             return ""
         low, high = self.widths[name]
-        entry = inputs.ranges()[name]
-        over = f"friction between yarns of {entry.low:g} to {entry.high:g}"
+        # each run names the friction that it had
+        ends = [float(row.laws.removeprefix(name)) for row in self.rows if row.varied == name]
+        over = f"friction between yarns of {min(ends):g} to {max(ends):g}"
         return f"{over}, which is assumed: {low:.1f} to {high:.1f} m/s"
 
     def words(self) -> str:

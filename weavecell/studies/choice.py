@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from shellfabric.yarns.holding import friction_of_plies
-from shellfabric.yarns.model import DATA, aim
+from shellfabric.yarns.model import aim
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -112,5 +112,4 @@ def _assumed_span(zone):
     """What is assumed of the friction between yarns, in words; "" where it is given."""
     if not zone.assumed_lines:
         return ""
-    entry = DATA["crossover_friction"]
-    return f", assumed {entry['low']:g} to {entry['high']:g}"
+    return ", assumed {:g} to {:g}".format(*zone.friction_range)

@@ -12,6 +12,7 @@ from fabrics.base.units import si
 from fabrics.fabric_tables import FIBRES
 from fabrics.families import list_families
 from weavecell.scenes import fabric_file
+from weavecell.studies import assumed_range, inputs
 
 PAGE = {
     "linear_density": ("1000 denier", "1100 dtex"),
@@ -135,3 +136,28 @@ def test_three_numbers_of_a_linear_fibre_that_disagree_are_refused(tmp_path):
     with pytest.raises(InputError, match="check the three, or leave one out"):
         wc.new_fabric(tmp_path / "mine.toml", values=path)
     assert not (tmp_path / "mine.toml").exists()
+
+
+@pytest.mark.parametrize(
+    "family, friction, ends",
+    [
+        ("para-aramid", 0.2, (0.1, 0.3)),
+        ("UHMWPE", 0.12, (0.05, 0.25)),
+        ("polyester", 0.3, (0.15, 0.48)),
+        ("carbon", 0.25, (0.1, 0.5)),
+    ],
+)
+def test_friction_of_yarns_is_of_their_family(family, friction, ends, tmp_path):
+    """In the set-up, in what is said of it, and in the runs over its range; a given one stays."""
+    mine = tmp_path / "mine.toml"
+    wc.new_fabric(mine, values=sheet(tmp_path, PAGE), family=family)
+    given = {"opening": "60 mm", "law": {"a": 2e-5, "b": 2e-5}}
+    setup = wc.setup(mine, "90 m/s", crossovers="yarns", **given)
+    assert setup.crossovers.friction == friction
+    assert setup.crossovers.friction_range == ends
+    low, high = (f"{end:g}" for end in ends)
+    assert f"{friction:g} ({low} .. {high})" in setup.crossovers.assumed_lines[0]
+    runs = assumed_range.changes(setup)[inputs.FRICTION_OF_CROSSOVERS].values()
+    assert [change(setup).crossovers.friction for change in runs] == list(ends)
+    own = wc.setup(mine, "90 m/s", crossovers="yarns", crossover_friction=0.17, **given)
+    assert (own.crossovers.friction, own.crossovers.friction_range) == (0.17, ())
