@@ -50,7 +50,7 @@ TITLES = {
     "cost-biaxial-coupon": "Coupon: biaxial tension",
     "cost-struck-yarn": "One struck yarn",
     "cost-peers": "One ply of S-720, 60 m/s, no failure: other models and another code",
-    "solid-cost": "Models of one panel: CPU time, here and in the thesis",
+    "solid-cost": "Four models of a ply of S-720: CPU time, here and in the thesis",
     "stability-newton": "Newton iteration of the thesis on two heights",
     "stability-bracket": "The bracket of weavecell, same points",
     "stability-printed-law": "The compression law as printed",
@@ -67,12 +67,13 @@ TITLES = {
 MODELS = ("solid-cost",)
 COSTS = tuple(name for name in TITLES if not name.startswith("stability-") and name not in MODELS)
 MAPS = tuple(name for name in TITLES if name.startswith("stability-"))
-# rows of the chart of models: that of the study, what it says, and elements a crossover here and in the thesis
+# rows of the chart of models, by model and crossings of the study: name, elements of a crossover here and in the thesis
 OF_MODELS = {
-    "cable": ("cable net", "2 bars", "3 cables"),
-    "pinned": ("panel of shells,\npinned crossovers", "16 shells", "1 shell"),
-    "yarns": ("resolved yarns", "2 segments", ""),
-    "solids": ("woven solids", "32 hexahedra", "400 hexahedra"),
+    ("cable", "158"): ("cable net, 203 mm", "2 bars", "3 cables"),
+    ("shell", "158"): ("panel, 203 mm", "1 shell", "1 shell"),
+    ("pinned", "20"): ("panel, 25.4 mm,\ndefault mesh", "16 shells", ""),
+    ("yarns", "20"): ("resolved yarns, 25.4 mm", "2 segments", ""),
+    ("solids", "20"): ("woven solids, 25.4 mm", "32 hexahedra", "400 hexahedra"),
 }
 # charts whose every method is named beside its point, since those off the front are what is compared
 ALL_NAMED = ("cost-peers", "cost-bullet")
@@ -110,7 +111,7 @@ class Run:
 # models of the study that the thesis has too; 79 x 79 crossovers of a quarter of its panel, and 20 x 20 of solids
 TABLE_4_3 = {
     "cable": Run(1243.0, 1, 79 * 79, 250.0),
-    "pinned": Run(1932.0, 1, 79 * 79, 250.0),
+    "shell": Run(1932.0, 1, 79 * 79, 250.0),
     "solids": Run(157424.0, 3, 20 * 20, 42.0),
 }
 PER_LINE = 46  # characters of a name beside a chart
@@ -276,20 +277,23 @@ def _plain_decades(axes):
         axis.set_minor_formatter(NullFormatter())
 
 
-def costs_of_models(name: str) -> dict[str, tuple[float, float | None]]:
-    """Read the CPU times [s] a crossover and us of a study: {model: (here, in the thesis)}, None for a model that the
-    thesis does not have."""
-    found: dict[str, tuple[float, float | None]] = {}
+def costs_of_models(name: str) -> dict[tuple[str, str], tuple[float, float | None]]:
+    """Read the CPU times [s] a crossover and us of a study: {key of OF_MODELS: (here, in the thesis)}, None where the
+    thesis has no such model."""
+    found = {}
     for row in read(name)[1]:
-        model = row["model"]
-        theirs = TABLE_4_3[model].cost if model in TABLE_4_3 else None
-        found[model] = 1e-9 * float(row["CPU time [ns per crossover and us]"]), theirs
-    return found
+        found[row["model"], row["crossings"]] = 1e-9 * float(
+            row["CPU time [ns per crossover and us]"]
+        )
+    return {
+        key: (found[key], TABLE_4_3[key[0]].cost if key[0] in TABLE_4_3 else None)
+        for key in OF_MODELS
+    }
 
 
 def _draw_models(name):
     costs = costs_of_models(name)
-    figure = Figure(figsize=(9, 4.4), layout="constrained")
+    figure = Figure(figsize=(9, 5.0), layout="constrained")
     axes = figure.subplots()
     places = np.arange(len(costs))[::-1]
     here = [own for own, _ in costs.values()]
@@ -306,7 +310,7 @@ def _draw_models(name):
     axes.set_yticks(places, [OF_MODELS[model][0] for model in costs])
     axes.set(
         xscale="log",
-        xlim=(1e-6, 300),
+        xlim=(5e-8, 300),
         ylim=(-0.55, len(costs) - 0.45),
         xlabel="CPU time of one crossover for 1 µs, over all processors",
     )
@@ -327,8 +331,8 @@ def _label(axes, text, x, y, above, colour):
 
 def _seconds(value):
     """A time [s] in two digits: "27 µs"."""
-    units = {"µs": 1e-6, "ms": 1e-3, "s": 1.0}
-    unit = [name for name, size in units.items() if value >= 0.9995 * size or name == "µs"][-1]
+    units = {"ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0}
+    unit = [name for name, size in units.items() if value >= 0.9995 * size or name == "ns"][-1]
     return f"{float(f'{value / units[unit]:.2g}'):g} {unit}"
 
 
