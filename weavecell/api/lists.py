@@ -608,6 +608,7 @@ def view(
     screenshot: FilePath | None = None,
     movie: FilePath | None = None,
     cut: bool = False,
+    beside: FilePath | None = None,
 ) -> None:
     """Look at a mesh or a result in a window, or write a picture, a movie or an interactive page of
     it.
@@ -625,10 +626,12 @@ def view(
     movie : write the snapshots of a panel or pack as a movie, FILE.gif or FILE.mp4 (which needs
         imageio)
     cut : the section through the impact point in place of the whole panel or pack
+    beside : the folder of another shot: the page has both, A and B, with what differs, both in motion
+        under one slider with one scale of colours, and both histories
 
     Raises
     ------
-    InputError : there is nothing to be shown, a file with another ending or one that exists, or no
+    InputError : there is nothing to be shown, or no two shots, a file with another ending or one that exists, or no
         display for a window
 
     Examples
@@ -640,7 +643,7 @@ def view(
     picture, film, page = (
         None if path is None else Path(path) for path in (screenshot, movie, html)
     )
-    show(Path(file), picture, film, page, cut)
+    show(Path(file), picture, film, page, cut, None if beside is None else Path(beside))
     for path in (film, page, picture):
         if path is not None:
             logging.getLogger("weavecell").info(f"written to {path}")

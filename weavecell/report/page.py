@@ -89,6 +89,7 @@ class Section:
     beside: bool = False  # the tables stand beside the figures
     folded: bool = False  # opened by a click
     moving: str = ""  # JSON of the arrays that templates/view3d.js draws
+    pair: tuple[tuple[str, str], ...] = ()  # (title, JSON as of `moving`) of two, under one slider
 
 
 @dataclass(frozen=True)

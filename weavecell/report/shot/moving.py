@@ -145,6 +145,7 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
         "depth": deepest,
         "elevation": elevation,
         "projectile": noses,
+        "times": [t for _, t in chosen],
         "captions": [chapters_shot.instant(record, t) for _, t in chosen],
         "ends": ends,
         "palette": palette.tolist(),

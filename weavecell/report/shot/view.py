@@ -28,7 +28,7 @@ from fabrics.base.files import refuse_existing, replace_whole
 from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import CLAY, INK, RED, STEEL, WARP, WEFT, tension_map
-from weavecell.report.shot import chapters_shot, moving, pictures_shot
+from weavecell.report.shot import beside, chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 
@@ -126,7 +126,12 @@ class Panel:
 
 
 def show(
-    path: Path, screenshot: Path | None, movie: Path | None, html: Path | None, cut: bool = False
+    path: Path,
+    screenshot: Path | None,
+    movie: Path | None,
+    html: Path | None,
+    cut: bool = False,
+    other: Path | None = None,
 ) -> None:
     """Open a window on `path`, or write a PNG to `screenshot`, a GIF or MP4 to `movie`, a page to
     `html`.
@@ -135,6 +140,7 @@ def show(
     ----------
     cut : whether picture and movie show the section through the impact point in place of the whole
         panel
+    other : folder of another shot that the page has beside it
 
     Raises
     ------
@@ -156,6 +162,14 @@ def show(
             )
         if written is not None:
             refuse_existing(written)
+    if other is not None:
+        if html is None or screenshot is not None or movie is not None or cut:
+            allowed = f"given with {option('html', '')} alone"
+            raise InputError(key=option("beside", ""), value=str(other), allowed=allowed)
+        shots = (_shot_at(path, "PATH"), _shot_at(other, option("beside", "")))
+        records = [shot.record for shot in shots]
+        page.write(beside.build(records, [shot.instants() for shot in shots]), html)
+        return
     file = find(path)
     panel = panel_of(path, file)
     if cut and (panel is None or (screenshot is None and movie is None)):
@@ -174,14 +188,28 @@ def show(
     if html is not None:
         page.write(moving.page(panel.record, panel.instants()), html)
     if screenshot is not None:
-        with plots() as pyplot, replace_whole(screenshot) as beside:
+        with plots() as pyplot, replace_whole(screenshot) as picture:
             if cut:
                 last = cut_figure(pyplot, panel, -1)
             else:
                 last = snapshot(pyplot, panel, file)
-            last.savefig(beside, format="png", dpi=170)
+            last.savefig(picture, format="png", dpi=170)
     if movie is html is screenshot is None:
         _show_elements(file, panel, None)
+
+
+def _shot_at(path, key):
+    """The Panel of a folder; InputError, which names the option, without one."""
+    panel = None
+    if (path / "panel.pvd").exists():
+        panel = panel_of(path, path)
+    if panel is None:
+        allowed = (
+            "a folder of a shot, with panel.pvd and histories.h5; V50 and limits are compared by "
+            "`weavecell compare`"
+        )
+        raise InputError(key=key, value=str(path), allowed=allowed)
+    return panel
 
 
 def _show_elements(file, panel, screenshot):
@@ -407,8 +435,8 @@ def _write_movie(panel, movie, cut):
             allowed = "*.gif, or *.mp4 with the Python package imageio[ffmpeg]"
             raise InputError(key=option("movie", ""), value=str(movie), allowed=allowed) from None
         with (
-            replace_whole(movie) as beside,
-            imageio.get_writer(beside, fps=round(1 / FRAME_TIME)) as writer,
+            replace_whole(movie) as written,
+            imageio.get_writer(written, fps=round(1 / FRAME_TIME)) as writer,
         ):
             for image in frames(panel, 120, cut):
                 # H.264 takes even numbers of pixels alone

@@ -180,4 +180,3 @@ async function view3d(root) {
   }, { passive: false });
   window.addEventListener("resize", draw), load();
 }
-for (const root of document.querySelectorAll(".view3d")) view3d(root);
