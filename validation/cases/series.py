@@ -1,4 +1,5 @@
-"""How often the interval of a V50 holds the true one: series of shots drawn at panels whose V50 is known."""
+"""How often the interval of a V50, or of a curve of residual velocities, holds the true one: series of shots drawn at
+panels whose V50 and curve are known."""
 
 from __future__ import annotations
 
@@ -9,9 +10,12 @@ from scipy.stats import chi2
 
 from fabrics.base.checks import FloatArray
 from validation.values import Values
-from weavecell.studies import probit, v50
+from weavecell.studies import lambert_jonas, probit, v50
+from weavecell.studies.bracket import Bracket
+from weavecell.studies.limit import RESIDUAL_SHOTS
 
 V50 = 500.0  # [m/s]
+TOLERANCE = 1.0  # [m/s] of the brackets of `curve_coverage`
 CONFIDENCE = 0.95
 SEED = 11
 
@@ -100,3 +104,57 @@ def langlie(failing: FloatArray, random: np.random.Generator) -> tuple[list, lis
 
 
 PROTOCOLS = {"rounds, as v50": rounds, "up and down": up_and_down, "Langlie": langlie}
+
+
+def curve_coverage(*, share: float, a: float, p: float, shots: int, series: int) -> Values:
+    """Count the searches whose 95 % intervals hold a and p of the curve of Lambert and Jonas.
+
+    Each shot has a limit of its own, normal about V50, and leaves with the residual velocity of the
+    curve from there. A search bisects, and fires shots up to twice the limit, as
+    `critical-velocity` does.
+
+    Parameters
+    ----------
+    share : [-] standard deviation of the limits over V50
+    a, p : [-] of the curve
+    shots : residual shots of a search
+    series : searches
+
+    Returns
+    -------
+    dict with a, p: [%] of the searches whose interval holds it, of those that have one; none: [%]
+    that have none for one of them
+    """
+    random = np.random.default_rng([SEED, shots, round(1e4 * share)])
+    held: dict[str, list] = {"a": [], "p": []}
+    for _ in range(series):
+        found = _search(random, share, a, p, shots)
+        for name, true in (("a", a), ("p", p)):
+            interval = found.intervals[name]
+            if interval is not None:
+                held[name].append(interval[0] <= true <= interval[1])
+    least = min(map(len, held.values()))
+    shares = {name: 100 * float(np.mean(inside)) for name, inside in held.items()}
+    return shares | {"none": 100 * (1 - least / series)}
+
+
+def _search(random, share, a, p, shots):
+    """The curve that is fitted to the shots of one search."""
+    strikes: list[float] = []
+    residuals: list[float] = []
+
+    def fire(velocity):
+        own = V50 * (1 + share * random.standard_normal())
+        strikes.append(velocity)
+        residuals.append(float(lambert_jonas.curve(np.array(velocity), a, p, own)))
+
+    known = Bracket(V50 * random.uniform(0.8, 1.2), 1.0, 2000.0)
+    while not known.width <= TOLERANCE:
+        fire(known.next())
+        known = known.update(residuals[-1] > 0)
+    for factor in np.geomspace(*RESIDUAL_SHOTS, shots):
+        fire(float(factor * known.high))
+    struck, left = np.array(strikes), np.array(residuals)
+    single = struck[left == 0].max() < struck[left > 0].min()
+    middle = 0.5 * (known.low + known.high)
+    return lambert_jonas.fit(struck, left, limit=middle if single else None)

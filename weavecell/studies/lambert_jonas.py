@@ -40,7 +40,9 @@ class LambertJonas:
     limit : [m/s] V_bl
     intervals : {name: (low, high)} of the parameters that were fitted, at the level of
         `confidence`, from the curve's slopes at the fit; None for one that came to rest on a bound
-        of what is sought, infinite where the shots tell nothing of it
+        of what is sought, infinite where the shots tell nothing of it. They take the errors of all
+        residual velocities as alike and the limit as known, and are too narrow in p where shots
+        just above the limit scatter with it (docs/pack.md)
     confidence : [-]
     residual_rms : [m/s] of the fit
     points : number of perforations that it was fitted to
