@@ -120,6 +120,8 @@ def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
         assert_allclose(share, grid["tension_warp_N"] / record.strength[0, 0], atol=2.6e-3)
         assert_array_equal(failed.reshape(count, m)[k], grid["failed_yarns"])
     assert_array_equal(quads.view("<u4").reshape(m, 4), instants[0][0].cells.reshape(-1, 5)[:, 1:])
+    # one scale with the pictures, 0 to 100 % of the strength
+    assert {head["ends"][name]["value"] for name in ("tension", "warp", "weft")} == {1.0}
     in_notebook = Embedded(moving.page(record, instants))._repr_html_()
     assert in_notebook.startswith('<iframe srcdoc="&lt;!doctype html&gt;')
     assert in_notebook.count('"') == 4  # those of the page within are escaped

@@ -116,9 +116,9 @@ def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:
     noses = []
     for grid, t in chosen:
         noses.append([*record.nose_place(t), float(grid.field_data["projectile_z_m"][0])])
-    top = max(0.1, np.ceil(10 * shares.max()) / 10)
     deepest = max(float(np.ptp(places[..., 2])), 1e-6)
-    of_tension = {"value": top, "text": f"{100 * top:.0f} % of the strength"}
+    # one scale with the pictures beside it
+    of_tension = {"value": 1.0, "text": "100 % of the strength"}
     ends = dict.fromkeys(("tension", "warp", "weft"), of_tension)
     ends["deflection"] = {"value": deepest, "text": text(deepest, "m", form=".1f")}
     elevation = 0.6
