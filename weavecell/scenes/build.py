@@ -402,9 +402,11 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].value
-        zone = _build_yarn_zone(
-            panel, [case.fabric, *(ply.fabric for ply in given.get("lay_up") or ())]
-        )
+        fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
+        zone = _build_yarn_zone(panel, fabrics)
+        if zone is None:
+            # by which the checks of pinned yarns judge
+            given["yarn_friction"] = _friction_of_yarns(fabrics).value
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
@@ -428,7 +430,7 @@ def _build_yarn_zone(table, fabrics):
     crossovers."""
     if table.crossovers == "pinned":
         return None
-    from shellfabric.yarns.model import DATA, YarnZone
+    from shellfabric.yarns.model import YarnZone
 
     given = {
         "half_width": table.zone,
@@ -436,12 +438,20 @@ def _build_yarn_zone(table, fabrics):
         "seed": table.aim_seed,
     }
     if table.crossover_friction is None:
-        usual = entry(DATA["crossover_friction"], "")
-        friction = assumed.friction_of_yarns(usual, *fabrics)
-        if friction != usual:
-            given["friction"] = friction.value
-            given["assumed_friction"] = (friction.low, friction.high)
+        friction = _friction_of_yarns(fabrics)
+        given["friction"] = friction.value
+        # the zone itself knows the range of its default
+        ends = friction.low, friction.high
+        if YarnZone(friction=friction.value).friction_range != ends:
+            given["assumed_friction"] = ends
     return YarnZone(**{field: value for field, value in given.items() if value is not None})
+
+
+def _friction_of_yarns(fabrics):
+    """The Entry of the friction between yarns that is assumed of fabrics."""
+    from shellfabric.yarns.model import DATA
+
+    return assumed.friction_of_yarns(entry(DATA["crossover_friction"], ""), *fabrics)
 
 
 def _projectile(table, fabric):

@@ -148,7 +148,7 @@ def test_three_numbers_of_a_linear_fibre_that_disagree_are_refused(tmp_path):
     ],
 )
 def test_friction_of_yarns_is_of_their_family(family, friction, ends, tmp_path):
-    """In the set-up, in what is said of it, and in the runs over its range; a given one stays."""
+    """In the set-up, in what is said of it, in its runs and in the checks of pinned yarns; a given one stays."""
     mine = tmp_path / "mine.toml"
     wc.new_fabric(mine, values=sheet(tmp_path, PAGE), family=family)
     given = {"opening": "60 mm", "law": {"a": 2e-5, "b": 2e-5}}
@@ -159,5 +159,7 @@ def test_friction_of_yarns_is_of_their_family(family, friction, ends, tmp_path):
     assert f"{friction:g} ({low} .. {high})" in setup.crossovers.assumed_lines[0]
     runs = assumed_range.changes(setup)[inputs.FRICTION_OF_CROSSOVERS].values()
     assert [change(setup).crossovers.friction for change in runs] == list(ends)
+    pinned = wc.setup(mine, "90 m/s", **given)
+    assert pinned.yarn_friction == friction
     own = wc.setup(mine, "90 m/s", crossovers="yarns", crossover_friction=0.17, **given)
     assert (own.crossovers.friction, own.crossovers.friction_range) == (0.17, ())
