@@ -15,6 +15,7 @@ from typing import Any
 
 from fabrics.base.files import read_data
 
+UNCHECKED = "Not checked against the publication"
 _OF_BIBTEX = {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
 _SPECIAL = re.compile(r"[\\^~&%$#_{}]")
 
@@ -30,6 +31,7 @@ class Reference:
     fields : {field of BibTeX: its value, as BibTeX has it}
     cited : regular expressions that find it in the source of a number
     used_for : what a program is used for: "panel", "crossover", "mesh" or "picture"
+    checked : what the fields were compared with; "" of those that were written down from memory
     """
 
     key: str
@@ -37,6 +39,7 @@ class Reference:
     fields: Mapping[str, str]
     cited: tuple[str, ...] = ()
     used_for: tuple[str, ...] = ()
+    checked: str = ""
 
     def is_named_in(self, source: str) -> bool:
         """Tell whether the source of a number names this publication."""
@@ -45,9 +48,8 @@ class Reference:
     def to_bibtex(self, note: str = "") -> str:
         """Write the entry; `note` is plain text that goes behind its own."""
         fields = dict(self.fields)
-        own = fields.pop("note", "")
-        if note:
-            own = f"{own}. {escape(note)}" if own else escape(note)
+        unchecked = "" if self.checked else UNCHECKED
+        own = ". ".join(filter(None, (fields.pop("note", ""), unchecked, escape(note))))
         if own:
             fields["note"] = own
         lines = [f"  {name} = {{{value}}}," for name, value in fields.items()]
@@ -72,7 +74,9 @@ def _read(key: str, row: dict[str, Any]) -> Reference:
     kind = row.pop("kind")
     cited = tuple(row.pop("cited", ()))
     used_for = tuple(row.pop("used_for", ()))
-    return Reference(key, kind, {name: str(value) for name, value in row.items()}, cited, used_for)
+    checked = row.pop("checked", "")
+    fields = {name: str(value) for name, value in row.items()}
+    return Reference(key, kind, fields, cited, used_for, checked)
 
 
 def find_cited(source: str) -> tuple[Reference, ...]:

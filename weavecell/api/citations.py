@@ -94,7 +94,11 @@ class Citations:
         for k, (text, named) in enumerate(self._of_others().items(), 1):
             note = f"Used for {join_numbers(named)}"
             fields = {"title": references.escape(text)}
-            entries.append(references.Reference(f"source{k}", "misc", fields).to_bibtex(note))
+            entries.append(
+                references.Reference(
+                    f"source{k}", "misc", fields, checked="the source of the number itself"
+                ).to_bibtex(note)
+            )
         for each in references.list_programs(*self.uses):
             version = self.versions.get(each.key)
             entries.append(each.to_bibtex(f"Version {version}" if version else ""))
@@ -106,7 +110,7 @@ class Citations:
             "title": TITLE,
             "version": self.versions.get("weavecell", __version__),
         }
-        return references.Reference("weavecell", "software", fields).to_bibtex()
+        return references.Reference("weavecell", "software", fields, checked="itself").to_bibtex()
 
     def _of_others(self) -> dict[str, list[Source]]:
         """{text: its sources} of what others published, and no entry of references.toml is."""

@@ -337,8 +337,8 @@ class V50Result(StudyResult):
             )
         if zones != self.target.setup.grading:
             remarks.append(
-                "This is the mesh of a V50, on which the limit is 2 to 5 % higher than on that of a single "
-                "shot or of critical-velocity: compare the two on one mesh (grading)."
+                "This is the mesh of a V50, on which the limit is 2 to 5 % higher than on the mesh of a "
+                "single shot or of critical-velocity: compare the two on one mesh (grading)."
             )
         return remarks + self.notes
 

@@ -323,7 +323,7 @@ class SurfaceResult(Result):
             )
         if self.energy_map is not None:
             more = (
-                "It is that of the potential whose forces are nearest to the sampled ones; the part of these that no "
+                "It is of the potential whose forces are nearest to the sampled ones; the part of these that no "
                 f"potential has is {100 * self.energy_map.residual:.2g} % (rms). Beyond the samples yarns go on alone."
             )
             yield chapters.energy(self.energy_map, self._sampled_range(), more)

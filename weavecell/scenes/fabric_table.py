@@ -100,10 +100,10 @@ class WeavingDamageTable(Table):
     """
 
     modulus: number(
-        "modulus of the woven yarn over that of the virgin yarn", 0.9, gt=0.0, le=1.0
+        "modulus of the woven yarn over the modulus of the virgin yarn", 0.9, gt=0.0, le=1.0
     ) = 1.0
     strength: number(
-        "strength of the woven yarn over that of the virgin yarn", 0.8, gt=0.0, le=1.0
+        "strength of the woven yarn over the strength of the virgin yarn", 0.8, gt=0.0, le=1.0
     ) = 1.0
     source: Annotated[
         str,

@@ -163,8 +163,8 @@ class ProjectileTable(Table):
     ) = None
     open_base: flag("whether the jacket leaves the base bare; if not given it does") = None
     cavity_diameter: quantity(
-        "diameter of a conical hole in the tip of a hollow point, at most that of the flat of the tip; given with "
-        "cavity_depth",
+        "diameter of a conical hole in the tip of a hollow point, at most the diameter of the flat of the tip; given "
+        "with cavity_depth",
         "m",
         "3 mm",
     ) = None

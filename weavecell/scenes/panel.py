@@ -208,7 +208,7 @@ class StrengthTable(Table):
     )
     seed: whole("seed of the random strengths: another seed gives another panel", 0, 2**31 - 1) = 1
     gauge_length: quantity(
-        "length of a yarn whose mean strength is that of the fabric: longer yarns are weaker",
+        "length at which yarns have the strength of the fabric on average: longer yarns are weaker",
         "m",
         "200 mm",
     ) = 0.2

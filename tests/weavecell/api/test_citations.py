@@ -80,6 +80,22 @@ def test_every_entry_is_named_or_used():
         assert each.used_for or any(map(each.is_named_in, every)), each.key
 
 
+def test_every_entry_is_checked_or_says_that_it_is_not():
+    """What was written down from memory is named as that in BibTeX, beside any other note."""
+    listed = references.list_references()
+    assert {bool(each.checked) for each in listed} == {True, False}
+    for each in listed:
+        for note in ("", "Used for a_b"):
+            entry = each.to_bibtex(note)
+            assert (references.UNCHECKED in entry) == (not each.checked), each.key
+            assert "checked =" not in entry
+            assert entry.count("note = ") == (
+                bool(note) or "note" in each.fields or not each.checked
+            )
+            assert each.fields.get("note", "") in entry
+            assert (r"Used for a\_b" in entry) == bool(note)
+
+
 def test_a_folder_cites_what_its_input_file_does(run):
     of_file = wc.cite(run / "shot.toml")
     of_folder = wc.cite(run / "results")
