@@ -9,21 +9,23 @@ the fabric; along the family that crosses where these are torn or have parted.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from shellfabric.yarns.model import YarnPanel
-    from shellfabric.yarns.state import Zone
+from shellfabric.yarns.state import Zone
 
 AROUND = 6  # vertices about a section
 PARTED = 1.5  # of their distance at rest: neighbours further apart say nothing of how a yarn lies
 FURTHEST = 25e-3  # [m] from the impact point: yarns of a wider zone are drawn as fabric beyond
 
 
-def draw_yarns(zone: Zone, panel: YarnPanel) -> dict[str, np.ndarray]:
+def draw_yarns(zone: Zone, panel: Any) -> dict[str, np.ndarray]:
     """Return what a `loop.snapshots.Snapshot` has of the resolved yarns of a ply.
+
+    Parameters
+    ----------
+    panel : yarns.model.YarnPanel
 
     Returns
     -------
