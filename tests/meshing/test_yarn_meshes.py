@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from meshing import crossover as mesher
 from meshing import geometry, patch
-from meshing.mesh import tributary_areas
+from meshing.generate import of_script
+from meshing.mesh import assemble, tributary_areas
 
 WOVEN = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 # numbers of the yarns, and of the axes along them
@@ -273,6 +274,21 @@ def test_one_crossing_is_the_whole_crossover():
     for name, quads in other.faces.items():
         yarn, part = name.split("_")
         assert_array_equal(one.faces[f"{yarn}_1_{part}"], quads)
+
+
+@pytest.mark.parametrize("name, count", [("S-720", (3, 4)), ("S-731", (4, 2))])
+def test_copies_of_yarns_are_what_gmsh_makes_of_the_script_of_all(name, count):
+    """gmsh meshes two yarns of a family; warp and weft, over and under, even and odd counts differ."""
+    made = woven(name, count)
+    whole = assemble(
+        of_script(made.script, name), made.names, made.families, False, catalogue.load(name).weave
+    )
+    assert_allclose(made.points, whole["points"], rtol=0, atol=NODE)
+    assert_array_equal(made.hexes, whole["hexes"])
+    assert made.faces.keys() == whole["faces"].keys()
+    for face, quads in whole["faces"].items():
+        assert_array_equal(made.faces[face], quads)
+    assert_allclose(np.concatenate(made.bar_area), np.concatenate(whole["bar_area"]), rtol=1e-6)
 
 
 def test_the_cell_of_four_crossovers_fits_itself():
