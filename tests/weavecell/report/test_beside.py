@@ -73,8 +73,8 @@ def test_both_panels_have_one_scale_and_their_own_instants(shots, html):
         most = max(head["ends"][name]["value"] for head in alone)
         assert [head["ends"][name]["value"] for head in heads] == [most, most]
         assert heads[0]["ends"][name]["text"] == heads[1]["ends"][name]["text"]
-    # half the strength: a larger share, which is the scale of both
-    assert alone[1]["ends"]["tension"]["value"] > alone[0]["ends"]["tension"]["value"]
+    # the second ends earlier, less deep: its scale is that of the first
+    assert alone[1]["ends"]["deflection"]["value"] < alone[0]["ends"]["deflection"]["value"]
     for key in ("width", "depth", "elevation"):
         assert heads[0][key] == heads[1][key]
     for head, of_it in zip(heads, instants):
