@@ -2,9 +2,9 @@
 
     python tools/compile_kernels.py [--portable]
 
-One ply on a graded and on a uniform mesh, a pack, a bullet of metal and resolved yarns, perforated:
-about a minute on two cores. Kernels that are in the cache already are not compiled again, those that
-no source stands for any more are removed. Blocks and coupons are compiled when one is run.
+One ply and a pack on graded and uniform meshes, the projectiles, edges that slip, resolved yarns,
+blocks, coupons and woven solids: MINUTES on two cores. Kernels that are in the cache already are not
+compiled again, those that no source stands for any more are removed.
 
 --portable compiles for all processors with the instructions of x86-64-v3, or of 64-bit ARM, which
 find these kernels where they have none of their own: for an image or a wheel.
@@ -15,27 +15,88 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+from collections.abc import Callable, Iterator
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
+CYLINDER = {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"}
+BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "min_size": "3 mm", "growth": 1.5}
 # short shots that call every kernel of their kind
-SHOTS = {
+SHOTS: dict[str, dict[str, Any]] = {
     "a ply on a graded mesh": {"velocity": "250 m/s", "end_time": "60 us"},
     "a ply on a uniform mesh": {
         "velocity": "250 m/s",
         "end_time": "60 us",
         "elements_per_crossover": 1,
     },
-    "a pack": {"velocity": "300 m/s", "end_time": "30 us", "plies": 2},
+    "a pack on a graded mesh": {"velocity": "300 m/s", "end_time": "30 us", "plies": 2},
+    "a pack on a uniform mesh": {
+        "velocity": "300 m/s",
+        "end_time": "30 us",
+        "plies": 2,
+        "elements_per_crossover": 1,
+    },
     "a bullet of metal": {
         "velocity": "300 m/s",
         "end_time": "8 us",
         "projectile": "9 mm FMJ 8.0 g",
     },
+    "a bullet of metal on a uniform mesh": {
+        "velocity": "300 m/s",
+        "end_time": "8 us",
+        "projectile": "9 mm FMJ 8.0 g",
+        "elements_per_crossover": 1,
+    },
+    "an elastic bar": {
+        "velocity": "155 m/s",
+        "end_time": "4 us",
+        "projectile": CYLINDER | {"body": "elastic_bar"},
+    },
+    "a fragment": {"velocity": "200 m/s", "end_time": "4 us", "projectile": "FSP 1.10 g"},
+    "a nose from a file": {
+        "velocity": "200 m/s",
+        "end_time": "4 us",
+        "projectile": {
+            "shape": "stl",
+            "stl": str(ROOT / "examples" / "cube.stl"),
+            "stl_unit": "mm",
+            "density": "7.85 g/cm^3",
+            "edge_radius": "0.4 mm",
+            "yaw": "45 deg",
+        },
+    },
+    "edges that slip": {
+        "velocity": "150 m/s",
+        "end_time": "4 us",
+        "boundary": {"warp": "clamped", "weft": {"clamp_force": "60 N"}},
+    },
     "resolved yarns": {"velocity": "200 m/s", "end_time": "20 us", "crossovers": "yarns"},
+    "a block behind a ply": {"velocity": "100 m/s", "end_time": "4 us", "backing": BLOCK},
+    "a block behind a ply on a uniform mesh": {
+        "velocity": "100 m/s",
+        "end_time": "4 us",
+        "backing": BLOCK,
+        "elements_per_crossover": 1,
+    },
 }
+
+
+def list_runs() -> Iterator[tuple[str, Callable[[], object]]]:
+    """Yield what is compiled by name, and the run that compiles it; no woven solids without gmsh."""
+    import weavecell as wc
+
+    for name, shot in SHOTS.items():
+        options = dict(shot)
+        yield name, partial(wc.impact, "S-720", options.pop("velocity"), opening="60 mm", **options)
+    frame = partial(wc.coupon, "S-720", "picture_frame")
+    yield "coupons", partial(frame, shear_angle="4 deg", crossovers=2, steps=1)
+    if find_spec("gmsh"):
+        yield "woven solids", partial(wc.patch, "S-720", "60 m/s", duration="1 us")
 
 
 def main() -> None:
@@ -45,11 +106,8 @@ def main() -> None:
     if "--portable" in sys.argv[1:]:
         # read by numba when it is imported
         os.environ |= {"NUMBA_CPU_NAME": COMMON[os.uname().machine], "NUMBA_CPU_FEATURES": ""}
-    import weavecell as wc
-
-    for name, shot in SHOTS.items():
-        options = dict(shot)
-        wc.impact("S-720", options.pop("velocity"), opening="60 mm", **options)
+    for name, run in list_runs():
+        run()
         print(f"setup:   {name}", flush=True)
     for package in ("fabrics", "shellfabric"):
         of_today = {kernel_folder(file, ROOT) for file in (ROOT / package).rglob("*.py")}
