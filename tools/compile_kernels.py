@@ -3,8 +3,8 @@
     python tools/compile_kernels.py [--portable]
 
 One ply and a pack on graded and uniform meshes, the projectiles, edges that slip, resolved yarns,
-blocks, coupons and woven solids: MINUTES on two cores. Kernels that are in the cache already are not
-compiled again, those that no source stands for any more are removed.
+blocks, coupons and woven solids: two to three minutes on two cores. Kernels that are in the cache
+already are not compiled again, those that no source stands for any more are removed.
 
 --portable compiles for all processors with the instructions of x86-64-v3, or of 64-bit ARM, which
 find these kernels where they have none of their own: for an image or a wheel.

@@ -73,7 +73,7 @@ if sys.prefix in numpy.__file__:
 CHECK
   # what the first shot of a user would wait for
   if [ "$extras" != app,docs ]; then
-    echo "setup: compiling the kernels of all kinds of runs, once: MINUTES"
+    echo "setup: compiling the kernels of all kinds of runs, once: two to three minutes"
     OMP_NUM_THREADS=1 "$venv/bin/python" tools/compile_kernels.py ${KERNELS:-} 2>/dev/null ||
       echo "setup: the kernels were not compiled; the first run compiles them" >&2
   fi
