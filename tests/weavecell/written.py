@@ -2,6 +2,8 @@
 
 import csv
 import json
+import re
+from html import unescape
 
 
 def names(folder):
@@ -17,3 +19,13 @@ def table_of(folder, name="summary.json"):
 def rows_of(folder, name):
     """The rows of a CSV file, as texts."""
     return list(csv.DictReader((folder / name).read_text("utf-8").splitlines()))
+
+
+def page_of(folder, name="report.html"):
+    """The HTML of a page as it is read: without marks of words that it explains."""
+    return without_marks((folder / name).read_text("utf-8"))
+
+
+def without_marks(page):
+    """A page without <abbr>, with the characters themselves."""
+    return unescape(re.sub(r"</?abbr[^>]*>", "", page))

@@ -106,12 +106,14 @@ def command(
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
+            # a run that was finished before had its words explained then
             read_again = getattr(result, "read_from", None) is not None
+            printed = "\n".join((str(result), *result.assumed, result.checks_text))
+            explained = glossary.lines(printed, result.checks)
+            if explained and not read_again:
+                print("words:", *explained, sep="\n", flush=True)
             if "out" in values and not values.get("check") and not read_again:
                 print(f"written to {values['out']}", flush=True)
-            printed = "\n".join((str(result), *result.assumed, result.checks_text))
-            if explained := glossary.lines(printed, result.checks):
-                print("words:", *explained, sep="\n", flush=True)
             checks.report(result.checks, strict)
         elif strict and result is not None and result.doubtful:
             # the folder of a run that was finished before

@@ -148,5 +148,5 @@ def test_aims_are_the_same_share_of_a_cell():
 
 def test_a_forecast_fires_nothing():
     size = wc.compare("S-726", "S-728", shots=12, check=True)
-    assert size.shots == 2 * (12 + 9)
+    assert size.shots == 2 * (12 + 8)
     assert not fired

@@ -14,7 +14,7 @@ from PIL import Image
 
 from shellfabric.loop import checkpoint
 from tests.scene_text import datasets, every, impact_scene
-from tests.weavecell.written import names, table_of
+from tests.weavecell.written import names, page_of, table_of
 from weavecell.report.shot import view
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
@@ -110,7 +110,7 @@ def test_an_unstable_run_keeps_what_it_computed(unstable):
     assert line == f"error: {record.failure_message}"
     assert len(record.time) >= 2
     assert np.isfinite(record.velocity).all()
-    page = (folder / "report.html").read_text()
+    page = page_of(folder)
     assert 'class="card unstable"' in page
     assert record.failure_message in page
 

@@ -10,7 +10,7 @@ import pytest
 import weavecell as wc
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
-from tests.weavecell.written import names, rows_of, table_of
+from tests.weavecell.written import names, page_of, rows_of, table_of
 from weavecell.api import sweeps
 from weavecell.api.sweeps import SweepTable
 from weavecell.api.target import resolve_target
@@ -159,18 +159,18 @@ def test_a_v50_study_says_what_was_fired_and_how_to_get_ranges(results):
 
 def test_a_v50_study_says_what_is_assumed_in_print_and_report(results):
     run = results("v50")
-    for text in (run.out, (run.folder / "report.html").read_text()):
+    for text in (run.out, page_of(run.folder)):
         assert "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm)" in text
 
 
 def test_the_report_of_a_v50_study_has_result_assumptions_sources_and_making(results):
-    page = (results("v50").folder / "report.html").read_text()
+    page = page_of(results("v50").folder)
     sections = re.findall(r'<section id="([^"]*)"', page)
-    assert sections == ["result", "assumptions", "sources", "making"]
+    assert sections == ["result", "assumptions", "sources", "making", "words"]
 
 
 def test_the_report_of_a_v50_study_begins_with_v50_and_what_was_shot_at(results):
-    page = (results("v50").folder / "report.html").read_text()
+    page = page_of(results("v50").folder)
     panel = "One ply of S-720, 30.6 mm square and clamped"
     assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
     assert f"{panel}, struck by a cylinder of 3 g and 5.5 mm." in page

@@ -2,12 +2,12 @@
 
 import json
 from dataclasses import replace
-from html import unescape
 
 import pytest
 
 import weavecell as wc
 from shellfabric.yarns.model import YarnZone
+from tests.weavecell.written import page_of, without_marks
 from weavecell.results import left_out
 from weavecell.studies.assumed_range import AssumedRange, Row
 
@@ -40,8 +40,8 @@ def test_every_place_says_what_a_number_leaves_out(tmp_path, compute, file, kind
     assert {part.kind for part in result.left_out} == kinds
     kept = json.loads((tmp_path / file).read_text())
     assert kept["left_out"] == {part.kind: part.text for part in result.left_out}
-    page = unescape((tmp_path / "report.html").read_text("utf-8"))
-    notebook = unescape(result._repr_html_())
+    page = page_of(tmp_path)
+    notebook = without_marks(result._repr_html_())
     for part in result.left_out:
         for place in (str(result), page, notebook, result.summary()["left_out"]):
             assert part.text in place
