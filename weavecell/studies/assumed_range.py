@@ -184,6 +184,8 @@ def changes(setup: ImpactSetup) -> Ends:
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
     for name, entry in inputs.ranges(*setup.fabrics).items():
+        if _is_given(setup, name, entry.value):
+            continue
         own = {}
         for end in (entry.low, entry.high):
             if _set_value(setup, name, end) != setup:
@@ -253,6 +255,25 @@ def _set_value(setup, name, value):
         case "clamp force":
             return replace(setup, boundary=_scale_clamp_force(setup.boundary, value))
     return setup
+
+
+def _is_given(setup, name, assumed_value):
+    """Whether the set-up has a number of the user's own in place of what is assumed by this name: a
+    measured friction is not varied."""
+    match name:
+        case data_sheet.FRICTION_OF_PROJECTILE:
+            value, default = setup.projectile.friction, type(setup.projectile).friction
+        case data_sheet.FRICTION_BETWEEN_PLIES:
+            value, default = setup.ply_friction, type(setup).ply_friction
+        case "area of packed fabric":
+            value, default = setup.packed_area, type(setup).packed_area
+        case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
+            value, default = setup.crossovers.friction, type(setup.crossovers).friction
+        case "lateral stiffness of yarns" if setup.crossovers is not None:
+            value, default = setup.crossovers.lateral, type(setup.crossovers).lateral
+        case _:
+            return False
+    return value not in (default, assumed_value)
 
 
 def _with_woven_strength(ply, value):

@@ -476,3 +476,26 @@ def test_the_failure_length_is_at_most_one_spacing():
     )
     assert entry.written == "0.726 mm (0.363 mm .. 1.45 mm)"
     assert data_sheet.failure_length(plain.weave) == data_sheet.entries()["failure_length"]
+
+
+@pytest.mark.parametrize(
+    "name, given",
+    [
+        ("friction of the projectile", lambda s: replace_in(s, "projectile", friction=0.17)),
+        ("friction between plies", lambda s: replace(s, ply_friction=0.23)),
+        (PACKED, lambda s: replace(s, packed_area=0.42)),
+        ("friction of crossovers", lambda s: replace_in(s, "crossovers", friction=0.23)),
+        ("lateral stiffness of yarns", lambda s: replace_in(s, "crossovers", lateral=1.4)),
+    ],
+)
+def test_a_number_of_the_users_own_is_not_varied(name, given):
+    """All others are, as before."""
+    assumed_of = wc.setup("S-728", "150 m/s", plies=2, crossovers="yarns")
+    before = list(assumed_range.changes(assumed_of))
+    after = list(assumed_range.changes(given(assumed_of)))
+    assert name in before
+    assert after == [other for other in before if other != name]
+
+
+def replace_in(setup, part, **numbers):
+    return replace(setup, **{part: replace(getattr(setup, part), **numbers)})
