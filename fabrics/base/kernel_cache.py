@@ -23,7 +23,7 @@ import re
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -72,6 +72,7 @@ OF_V3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave"}
 # LLVM's name of the least processor that portable code is for, by architecture
 COMMON = {"x86_64": "x86-64-v3", "AMD64": "x86-64-v3", "aarch64": "generic", "arm64": "generic"}
 _announced: set[str] = set()  # folders of which the user has been told
+_compiled_with = ""  # what the options of the kernels that are decorated now are called
 # compilations that go on, one inside another; [s] when the outermost began, and what all have taken
 _depth = 0
 _since = 0.0
@@ -114,19 +115,24 @@ def kernel(**options: Any) -> Callable[[Callable], Any]:
         from numba import njit
 
         # numba is imported here, since commands that compute nothing should start without it
-        with kernel_cache(function.__code__.co_filename):
+        with kernel_cache(function.__code__.co_filename, options):
             return njit(cache=True, **options)(function)
 
     return decorated
 
 
 @contextmanager
-def kernel_cache(file: FilePath) -> Iterator[None]:
-    """Decorate kernels of a file inside this block.
+def kernel_cache(file: FilePath, options: Mapping[str, Any]) -> Iterator[None]:
+    """Decorate kernels of a file inside this block, with these options of numba's njit.
 
     numba reads the folder when a function is decorated. A folder that the user has chosen
     (NUMBA_CACHE_DIR) is used as the root; otherwise the __pycache__ of the package.
+
+    One function may be compiled with different options, by the crossover and by the woven solids.
+    numba's key of machine code does not have them: without a name of its own for each, one would
+    load the code of the other, which crashes where that has no way in from Python.
     """
+    global _compiled_with
     import numba
     from numba.core import caching as caching_of_numba
 
@@ -140,12 +146,14 @@ def kernel_cache(file: FilePath) -> Iterator[None]:
     locators = config.CACHE_LOCATOR_CLASSES
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
     config.CACHE_DIR = str(folder / kernel_folder(file, root))
-    config.CACHE_LOCATOR_CLASSES = f"{__name__}.KernelFolder,UserWideCacheLocator"
+    config.CACHE_LOCATOR_CLASSES = f"{__name__}.KernelFolder,{__name__}.UserFolder"
     files_of_numba = caching.IndexDataCacheFile
     caching.IndexDataCacheFile = _files()
+    _compiled_with = name_options(options)
     try:
         yield
     finally:
+        _compiled_with = ""
         config.CACHE_DIR = before
         config.CACHE_LOCATOR_CLASSES = locators
         caching.IndexDataCacheFile = files_of_numba
@@ -161,6 +169,7 @@ class KernelFolder:
 
     def __init__(self, folder: str) -> None:
         self.folder = folder
+        self.compiled_with = _compiled_with
 
     @classmethod
     def from_function(cls, function: Any, file: str) -> KernelFolder | None:
@@ -189,8 +198,34 @@ class KernelFolder:
         return Path(self.folder).name
 
     def get_disambiguator(self) -> str:
-        """Return nothing: the names of kernels differ within their file."""
-        return ""
+        """Return what the options are called: the names of kernels differ within their file."""
+        return self.compiled_with
+
+
+class UserFolder:
+    """Tell numba where machine code is kept if the folder of `KernelFolder` cannot be written: in
+    its own folder of the user."""
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> Any:
+        """Return numba's place of a function, in which its options have a name too, or None."""
+        from numba.core.caching import UserWideCacheLocator
+
+        place: Any = UserWideCacheLocator.from_function(function, file)
+        if place is not None:
+            name = f"{place.get_disambiguator()}-{_compiled_with}"
+            place.get_disambiguator = lambda: name
+        return place
+
+
+def name_options(options: Mapping[str, Any]) -> str:
+    """Return eight digits that stand for options of numba's njit in the name of a file."""
+    parts = []
+    for key, value in sorted(options.items()):
+        # the text of a set follows the hash seed of the process
+        told = sorted(value) if isinstance(value, (set, frozenset)) else value
+        parts.append((key, repr(told).encode()))
+    return digest(parts)[:8]
 
 
 @cache

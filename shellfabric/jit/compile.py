@@ -81,8 +81,9 @@ def entry(**options):
     here."""
 
     def decorated(function):
-        with kernel_cache(function.__code__.co_filename):
-            return njit(**_USUAL, **options)(function)
+        chosen = _USUAL | options
+        with kernel_cache(function.__code__.co_filename, chosen):
+            return njit(**chosen)(function)
 
     return decorated
 
@@ -91,8 +92,9 @@ def kernel(**options):
     """Decorate a kernel that other kernels call."""
 
     def decorated(function):
-        with kernel_cache(function.__code__.co_filename):
-            inner = njit(no_cpython_wrapper=True, **_USUAL, **options)(function)
+        chosen = _USUAL | {"no_cpython_wrapper": True} | options
+        with kernel_cache(function.__code__.co_filename, chosen):
+            inner = njit(**chosen)(function)
         inner.__class__ = _Inner
         inner.entry_options = options
         return inner
@@ -178,8 +180,9 @@ class Unit:
         self.returns = returns
         self.later = later
         self.__module__ = function.__module__
-        with kernel_cache(function.__code__.co_filename):
-            self.dispatcher = njit(no_cpython_wrapper=True, _nrt=False, **_USUAL)(function)
+        chosen = _USUAL | {"no_cpython_wrapper": True, "_nrt": False}
+        with kernel_cache(function.__code__.co_filename, chosen):
+            self.dispatcher = njit(**chosen)(function)
         self.cells = {kinds: Cell(self, kinds, number) for number, kinds in enumerate(grids)}
         self._numba_type_ = types.Function(_template_of(self))
         lower_builtin(self, types.VarArg(types.Any))(self.lower)

@@ -2,8 +2,10 @@
 
 import subprocess
 import sys
+from itertools import permutations
 
 import numpy as np
+import pytest
 
 KERNEL = """
 from fabrics.base.kernel_cache import kernel
@@ -41,3 +43,45 @@ def test_kernels_of_cut_files_are_compiled_again(tmp_path, monkeypatch):
             file.write_bytes(whole[:length])
             assert run() == "42.5 1\n"
     assert run() == "42.5 0\n"
+
+
+SHARED = """
+from fabrics.base.kernel_cache import kernel
+from shellfabric.jit.compile import kernel as inner
+
+
+def twice(x):
+    return 2 * x + 0.5
+
+
+called = inner()(twice)
+plain = kernel()(twice)
+rounded = kernel(error_model="numpy", fastmath={"contract", "arcp"})(twice)
+
+
+@kernel()
+def call(x):
+    return called(x)
+"""
+FIRST = "from mine.kernels import {0}; print({0}(21.0), sum({0}.stats.cache_misses.values()))"
+
+
+@pytest.mark.parametrize("order", list(permutations(("call", "plain", "rounded"))), ids="-".join)
+def test_each_set_of_options_has_machine_code_of_its_own(tmp_path, monkeypatch, order):
+    """A kernel of the solids had no way in from Python, and the crossover crashed on its code."""
+    package = tmp_path / "mine"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "kernels.py").write_text(SHARED)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+
+    def run(name, seed):
+        monkeypatch.setenv("PYTHONHASHSEED", seed)
+        done = subprocess.run(
+            [sys.executable, "-c", FIRST.format(name)], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert [run(name, "1") for name in order] == ["42.5 1\n"] * 3
+    assert [run(name, "2") for name in order] == ["42.5 0\n"] * 3
