@@ -223,8 +223,9 @@ def name_options(options: Mapping[str, Any]) -> str:
     parts = []
     for key, value in sorted(options.items()):
         # the text of a set follows the hash seed of the process
-        told = sorted(value) if isinstance(value, (set, frozenset)) else value
-        parts.append((key, repr(told).encode()))
+        if isinstance(value, (set, frozenset)):
+            value = sorted(value)
+        parts.append((key, repr(value).encode()))
     return digest(parts)[:8]
 
 

@@ -206,11 +206,11 @@ def _read(path: FilePath) -> Family:
         limits,
         strengths,
         entries,
-        law,
-        content["typical"],
-        content["yarns"].get("linear", True),
-        shots,
-        power,
+        strain_rate=law,
+        typical=content["typical"],
+        linear=content["yarns"].get("linear", True),
+        shots=shots,
+        power=power,
     )
 
 

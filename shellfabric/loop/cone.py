@@ -31,7 +31,9 @@ def find_foot(x: FloatArray, z: FloatArray, spacing: float) -> float:
     foot : [m] from the impact point; not a number of flat fabric, and of a side that covers fewer
         than SIDE elements
     """
-    x, z = x[x >= 0], z[x >= 0]
+    ahead = x >= 0
+    x = x[ahead]
+    z = z[ahead]
     top = float(z.max(initial=0.0))
     high = _crossing(x, z, HIGH * top)
     low = _crossing(x, z, LOW * top)

@@ -200,7 +200,9 @@ class SolidPatch:
             density = self.fabric.weave.yarns[family].fibre_density * law.Vf0
             gradient, volume = at_points(self.mesh.points[corners(grid)])
             if not self.numerics.full_rule:
-                gradient, volume = gradient[:, :0], volume[:, :0]
+                # one point: `bricks` has its gradients and volume
+                gradient = gradient[:, :0]
+                volume = volume[:, :0]
             eta = self.numerics.solid_viscosity * np.sqrt(density) * bricks.edges[:, 1:]
             parts.append(
                 {

@@ -40,7 +40,9 @@ def draw_yarns(zone: Zone, panel: Any) -> dict[str, np.ndarray]:
     drawn = [_drawn_rows(panel, axis) for axis in range(2)]
     resolved = np.zeros(panel.counts, bool)
     resolved[slice(*drawn[0]), slice(*drawn[1])] = True
-    surfaces, tensions, families = [], [], []
+    surfaces = []
+    tensions = []
+    families = []
     thickness = 0.5 * panel.weave.thickness
     for family in range(2):
         count, length = int(zone.yarns[family]), int(zone.nodes[family])

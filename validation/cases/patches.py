@@ -91,7 +91,8 @@ def timed(
         weave = shot.fabric.weave
         side = 2 * weave.w1 * crossings, 2 * weave.w2 * crossings
         scene = replace(shot, opening=side, elements_per_crossover=1, end_time=duration)
-        cpu, history = (_cable if model == "cable" else _shell)(scene)
+        run = {"cable": _cable, "shell": _shell}[model]
+        cpu, history = run(scene)
         cpu *= 4
         simulated = history[-1, 0]
         lost = velocity - history[-1, 2]

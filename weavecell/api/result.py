@@ -151,8 +151,8 @@ class Result:
         # a notebook shows the outcome in bold, then what the terminal prints
         (first, *others) = str(self).splitlines()
         table = self._notebook_table()
-        told: set[str] = set()
-        marked = [glossary.mark(line, told) for line in (first, *others)]
+        explained: set[str] = set()
+        marked = [glossary.mark(line, explained) for line in (first, *others)]
         lines = "\n".join((f"<b>{marked[0]}</b>", *marked[1:]))
         parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
         if hasattr(self, "plot"):

@@ -56,21 +56,22 @@ def lines(text: str, checks: Iterable[Indicator] = ()) -> list[str]:
     return [f"  {word}: {means}" for word, means in (found | named).items()]
 
 
-def mark(text: str, told: set[str] | None = None) -> str:
+def mark(text: str, explained: set[str] | None = None) -> str:
     """Write a text as HTML, in which each word has what it means as <abbr title>.
 
     Parameters
     ----------
-    told : words that were explained before, which stay as they are; those of the text are added
+    explained : words that were explained before, which stay as they are; those of the text are added
     """
-    told = set() if told is None else told
+    if explained is None:
+        explained = set()
     parts = []
     end = 0
     for found in _pattern().finditer(text):
         word = _word(found)
-        if word in told:
+        if word in explained:
             continue
-        told.add(word)
+        explained.add(word)
         means = escape(words()[word])
         parts.append(escape(text[end : found.start()]))
         parts.append(f'<abbr title="{means}">{escape(found[0])}</abbr>')
@@ -88,18 +89,18 @@ class Marker:
 
     def __init__(self, safe: Callable[[str], str]) -> None:
         self.safe = safe
-        self.told: set[str] = set()
+        self.explained: set[str] = set()
         self.found: set[str] = set()
 
     def begin(self) -> str:
         """Begin a section, in which words are explained again."""
-        self.told = set()
+        self.explained = set()
         return ""
 
     def mark(self, text: object) -> str:
         """Write a text as HTML with its words explained."""
-        marked = mark(str(text), self.told)
-        self.found |= self.told
+        marked = mark(str(text), self.explained)
+        self.found |= self.explained
         return self.safe(marked)
 
     def listed(self) -> list[tuple[str, str]]:

@@ -42,22 +42,20 @@ def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
     plies : the shape of each ply
     quads : of each ply (m, 4) node numbers, in order round the cell
     """
-    first = np.cumsum([0, *(len(shape.nodes) for shape in plies)])
     parts = [_elements(shape, numbers) for shape, numbers in zip(plies, quads)]
-    for part, start in zip(parts, first):
-        part["quads"] = part["quads"] + start
     points = [shape.nodes for shape in plies]
-    count = first[-1]
+    numbers_of_plies = list(range(1, len(plies) + 1))
     for number, shape in enumerate(plies, 1):
         if shape.resolved.size:
-            part = _yarns(shape)
-            part["quads"] = part["quads"] + count
-            part["ply"] = np.full(len(part["quads"]), number)
-            parts.append(part)
+            parts.append(_yarns(shape))
             points.append(shape.yarn_surface.reshape(-1, 3))
-            count += len(points[-1])
-    for number, part in enumerate(parts[: len(plies)], 1):
+            numbers_of_plies.append(number)
+    # numbers of nodes of a part become those of the grid
+    count = 0
+    for part, number, own in zip(parts, numbers_of_plies, points):
+        part["quads"] = part["quads"] + count
         part["ply"] = np.full(len(part["quads"]), number)
+        count += len(own)
     cells = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     together = grid(np.concatenate(points), cells["quads"])
     failed = cells["failed"]

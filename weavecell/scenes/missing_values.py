@@ -106,7 +106,8 @@ def _of_yarn(strip, count, family):
     name = data_sheet.STRENGTH_AFTER_WEAVING
     usual = data_sheet.entries()[name]
     share = (usual if family is None else family.shots.get(name, usual)).value
-    texts, ranges = {}, {}
+    texts = {}
+    ranges = {}
     for yarn in FAMILIES:
         of_width = si(getattr(strip, yarn), "N/m")
         force = of_width / si(getattr(count, yarn), "1/m") / share
@@ -127,7 +128,8 @@ def _as_straight_line(values, named):
         values
     ):
         return values
-    texts, ranges = {}, {}
+    texts = {}
+    ranges = {}
     for yarn in FAMILIES:
         at_first, to_strength, family = _moduli(values, key, yarn, named)
         limit = data_sheet.entries()["contradiction"].value

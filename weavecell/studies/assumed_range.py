@@ -268,7 +268,7 @@ def _is_given(setup, name, assumed_value):
         case "area of packed fabric":
             value, default = setup.packed_area, type(setup).packed_area
         case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
-            value, default = setup.crossovers.friction, type(setup.crossovers).friction
+            return not setup.crossovers.friction_range
         case "lateral stiffness of yarns" if setup.crossovers is not None:
             value, default = setup.crossovers.lateral, type(setup.crossovers).lateral
         case _:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report import page, pictures, pictures_comparison
+from weavecell.report import pictures, pictures_comparison
 from weavecell.report.page import Figure, Report, Section, Table
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import display, keys
@@ -50,8 +50,7 @@ def build(
     """
     titles = names(records)
     cards = tuple(
-        page.Card(title, *_without_label(chapters_shot.card(record)))
-        for title, record in zip(titles, records)
+        replace(chapters_shot.card(record), label=title) for title, record in zip(titles, records)
     )
     motion = Section(
         "motion",
@@ -72,10 +71,6 @@ def build(
         Section("all", "All results", tables=(every_result(records),), folded=True),
     )
     return Report(" beside ".join(titles), "", (cards,), sections, outcome=difference(records))
-
-
-def _without_label(card):
-    return card.headline, card.lines, card.tone
 
 
 def difference(records: Sequence[ImpactRecord]) -> str:

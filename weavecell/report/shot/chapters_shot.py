@@ -304,7 +304,7 @@ def _energies(record):
 
 
 def _shading(record):
-    """How the plies of a pack are told apart, in words."""
+    """How a picture colours the plies of a pack, in words."""
     words = "dark at the front and light at the rear"
     if record.ply_fabrics:
         words += f", in one colour for each fabric ({record.which_fabric})"

@@ -86,13 +86,12 @@ def plies(pyplot: Any, record: ImpactRecord) -> Any:
 
 def _named_plies(fabrics):
     """Numbers of the plies that a legend names: some of many, of each fabric at least the first and the
-    last, so that the front and the rear of each are told."""
+    last."""
     every = -(-len(fabrics) // _MOST_NAMED)
     named = set(range(0, len(fabrics), every))
     if len(set(fabrics)) > 1:
-        for name in set(fabrics):
-            of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
-            named |= {of_it[0], of_it[-1]}
+        for plies in _plies_of(fabrics).values():
+            named |= {plies[0], plies[-1]}
     return sorted(named)
 
 
@@ -146,8 +145,8 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
     figure.set_figheight(figure.get_figheight() + below)
     place(figure, 0.8, 0.15, 0.65 + below, 0.4, across=0.45, down=0.6)
     if fabrics:
-        # a ply near the middle of each has the colour that its fabric is known by
-        handles = [_swatch(rows[0].colours, fabrics, name) for name in dict.fromkeys(fabrics)]
+        colours = rows[0].colours
+        handles = [_swatch(colours, name, plies) for name, plies in _plies_of(fabrics).items()]
         figure.legend(handles=handles, loc="lower center", ncols=len(handles), fontsize=10)
     if top is None:
         top = max(foremost(row.cut) for row in rows)
@@ -297,23 +296,30 @@ def shades(fabrics: Sequence[str]) -> list:
     from matplotlib.colors import LinearSegmentedColormap
 
     colours: list = [None] * len(fabrics)
-    for number, name in enumerate(dict.fromkeys(fabrics)):
+    for number, plies in enumerate(_plies_of(fabrics).values()):
         steps = _RAMPS[number % len(_RAMPS)]
         ramp = LinearSegmentedColormap.from_list("plies", steps)
-        of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
-        for n, k in enumerate(of_it):
-            colours[k] = ramp(n / max(1, len(of_it) - 1))
+        for n, k in enumerate(plies):
+            colours[k] = ramp(n / max(1, len(plies) - 1))
     return colours
 
 
-def _swatch(colours, fabrics, name):
-    """The entry of a legend for a fabric of a pack."""
+def _plies_of(fabrics):
+    """{name of a fabric: its plies from the front, the first of the pack is 0}, in their order."""
+    plies = {name: [] for name in fabrics}
+    for k, name in enumerate(fabrics):
+        plies[name].append(k)
+    return plies
+
+
+def _swatch(colours, name, plies):
+    """The entry of a legend for a fabric of a pack: a ply near the middle of its own has the colour
+    that it is known by."""
     from matplotlib.patches import Patch
 
-    of_it = [k for k, fabric in enumerate(fabrics) if fabric == name]
-    where = "ply" if len(of_it) == 1 else "plies"
-    numbers = ", ".join(_spans(of_it))
-    return Patch(color=colours[of_it[len(of_it) // 2]], label=f"{name}, {where} {numbers}")
+    where = "ply" if len(plies) == 1 else "plies"
+    numbers = ", ".join(_spans(plies))
+    return Patch(color=colours[plies[len(plies) // 2]], label=f"{name}, {where} {numbers}")
 
 
 def _spans(plies):
