@@ -10,7 +10,7 @@ import pytest
 from fabrics.base.errors import InputError
 from tests.weavecell.session_runs import fired
 from weavecell.report.page import render
-from weavecell.report.shot import beside, moving
+from weavecell.report.shot import beside, chapters_shot, moving
 from weavecell.report.shot.view import show
 
 
@@ -111,3 +111,14 @@ def test_what_is_no_shot_is_refused(tmp_path, results):
     with pytest.raises(InputError):
         show(whole, None, None, page, other=whole)
     assert page.read_text() == "mine"
+
+
+@pytest.mark.parametrize("count, drawn", [(1, False), (2, False), (3, True)])
+def test_a_cone_of_less_than_three_instants_is_no_curve(shots, count, drawn):
+    """A shot from Python without snapshots has one cut, at its end."""
+    (one, _), _ = shots
+    known = [cut for cut, radius in zip(one.cuts, one.cone_radius) if np.isfinite(radius)]
+    assert len(known) >= 3
+    record = replace(one, cuts=tuple(known[:count]), measured=())
+    names = {figure.name for figure in chapters_shot.chapter(record).figures}
+    assert ("cone" in names) == drawn

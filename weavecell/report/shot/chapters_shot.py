@@ -43,6 +43,7 @@ OF_A_DESIGNER = {
 }
 # [m] half the width of the close-up: five radii of the RCC projectile
 CLOSE_UP = 0.014
+LEAST_OF_A_CURVE = 3  # points
 # shares of the run at which the fabric is shown cut open
 CUT_INSTANTS = (0.2, 0.5, 1.0)
 
@@ -134,8 +135,9 @@ def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
     """Build the chapter of one impact: histories, energies, cuts, pictures of the panel and
     results."""
     figures: tuple[Figure, ...] = (_histories(record), _energies(record), _cuts(record), *panel)
-    # where yarns were recorded the cone is drawn with them, finer in time
-    if not record.measured and np.isfinite(record.cone_radius).any():
+    # where yarns were recorded the cone is drawn with them, finer in time; two points are no curve
+    known = np.count_nonzero(np.isfinite(record.cone_radius))
+    if not record.measured and known >= LEAST_OF_A_CURVE:
         figures += (_cone({"along x, of the last ply": (record.cut_times, record.cone_radius)}),)
     tables = [results(record), every_result(record)]
     if record.count > 1:
