@@ -22,6 +22,7 @@ from fabrics.base.errors import InputError
 from fabrics.data_sheet import (
     FAMILIES,
     FRICTION_BETWEEN_PLIES,
+    FRICTION_BETWEEN_YARNS,
     FROM_THICKNESS,
     OF_SHOTS,
     crimps,
@@ -302,12 +303,13 @@ def shot_entries(*fabrics: Fabric) -> dict[str, Entry]:
     return found
 
 
-def friction_of_yarns(usual: Entry, *fabrics: Fabric) -> Entry:
-    """Return the friction of yarn on yarn at a crossover: as of plies, which are of the same yarns, where
-    their fibre family has that; else `usual`.
+def friction_between_yarns(*fabrics: Fabric) -> Entry:
+    """Return Coulomb's coefficient of yarn on yarn at a crossover: that of plies, which are of the same
+    yarns, if the fibre family has one of its own; else that of `data_sheet.toml`.
 
     Of several fabrics it is the value of the first, in the range of all.
     """
+    usual = entries()[FRICTION_BETWEEN_YARNS]
     families = list(map(family_of, fabrics)) or [None]
     of_each = [
         usual if of is None else of.shots.get(FRICTION_BETWEEN_PLIES, usual) for of in families

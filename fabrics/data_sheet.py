@@ -36,6 +36,7 @@ FROM_THICKNESS = "computed from the thickness"
 STRENGTH_AFTER_WEAVING = "strength after weaving"
 FRICTION_OF_PROJECTILE = "friction of the projectile"
 FRICTION_BETWEEN_PLIES = "friction between plies"
+FRICTION_BETWEEN_YARNS = "friction between yarns"  # of all fabrics
 OF_SHOTS = (STRENGTH_AFTER_WEAVING, FRICTION_OF_PROJECTILE, FRICTION_BETWEEN_PLIES)
 # if closest packed fibres are so many times thicker than the sheet, the mass of the yarn has
 # another unit

@@ -21,6 +21,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.files import read_data
 from fabrics.base.units import si
@@ -60,6 +61,11 @@ class Entry:
     source: str
     status: str
     most: float = inf
+
+    @property
+    def number(self) -> Assumed:
+        """The value as a number that says that it is assumed, with its range."""
+        return Assumed(self.value, self.low, self.high)
 
     def at(self, end: str, soft_at_high: bool) -> float:
         """Return the value [SI] at an end, "soft", "nominal" or "stiff"."""

@@ -19,10 +19,6 @@ from numpy.typing import ArrayLike
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 
-# of aramid yarns on each other: a range quoted in the literature, no single measurement
-FRICTION = 0.2
-FRICTION_RANGE = (0.15, 0.25)
-
 
 @dataclass(frozen=True)
 class PullOutLaw:

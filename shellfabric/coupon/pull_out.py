@@ -28,9 +28,10 @@ from math import inf
 
 import numpy as np
 
+from fabrics.assumed import friction_between_yarns
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
-from fabrics.friction.pull_out import FRICTION
 from shellfabric.cell.model import CellTable
 from shellfabric.coupon import contact_force
 
@@ -49,7 +50,7 @@ class PullOut:
     table : CellTable of the fabric, variational
     crossings : crossovers that the yarn is drawn through
     pre_tension : [N] of each crossing yarn, before the yarn is drawn
-    mu : [-] coefficient of friction of yarn on yarn
+    mu : [-] coefficient of friction of yarn on yarn; None takes that which is assumed of the fabric
     cohesion : [N] c0, friction of a crossover without contact force
     bending : (warp, weft) [N m2] bending stiffness of the yarns, for the contact force; 0 of
         flexible yarns
@@ -63,7 +64,7 @@ class PullOut:
     table: CellTable
     crossings: int = 20
     pre_tension: float = 0.0
-    mu: float = FRICTION
+    mu: float | None = None
     cohesion: float = 0.0
     bending: tuple[float, float] = (0.0, 0.0)
 
@@ -75,7 +76,7 @@ class PullOut:
             )
         for key in ("crossover_friction", "crossover_cohesion"):
             if key == "crossover_friction":
-                value = self.mu
+                value = self.friction
             else:
                 value = self.cohesion
             if not 0 <= value < inf:
@@ -87,6 +88,18 @@ class PullOut:
         if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
             allowed = "at least 0 and below the strength of the crossing yarns"
             refuse(self, "pre_tension", allowed)
+
+    @cached_property
+    def friction(self) -> float:
+        """[-] of yarn on yarn: the given one, or that which is assumed of the fabric."""
+        if self.mu is not None:
+            return self.mu
+        return self.assumed_friction
+
+    @property
+    def assumed_friction(self) -> Assumed:
+        """[-] of yarn on yarn, with its range, of the fibre family of the fabric."""
+        return friction_between_yarns(self.table.model.fabric).number
 
     @property
     def spacing(self) -> float:
@@ -117,7 +130,7 @@ class PullOut:
     def thresholds(self) -> FloatArray:
         """(n1,) [N] friction of a crossover at the stretches of the table."""
         forces = contact_force.stiff_table(self.table, self.bending)
-        return self.cohesion + self.mu * self._along_yarn(forces)
+        return self.cohesion + self.friction * self._along_yarn(forces)
 
     @property
     def slack(self) -> float:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import plausible
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import refuse
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
@@ -152,12 +153,12 @@ class ImpactSetup:
     plies: int = 1
     stacking: str = "aligned"
     ply_gap: float | None = None
-    ply_friction: float = 0.0
+    ply_friction: float = Assumed(0.0)
     contact: PlyContact | None = None
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
     instead: YarnZone | None = None
-    yarn_friction: float = Panel.yarn_friction
+    yarn_friction: float | None = None
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):

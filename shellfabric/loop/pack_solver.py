@@ -241,7 +241,8 @@ class PackSolver(ExplicitSolver):
         found += dent_checks.indicators(self)
         if self.reason == STOPPED and not self.replaces_membrane:
             found += quality.judge_friction(
-                friction_of_plies(self.pack.plies, self.strike_velocity), self.panel.yarn_friction
+                friction_of_plies(self.pack.plies, self.strike_velocity),
+                self.panel.friction_between_yarns,
             )
         return tuple(found)
 

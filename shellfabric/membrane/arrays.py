@@ -139,7 +139,7 @@ def _constants(panel):
         draw_in_reach=panel.reach(),
         foremost_offset=shot.top,
         shoulder=shot.shoulder,
-        friction=shot.friction,
+        friction=float(shot.friction),
         holds_force=shot.deforms,
         **rim,
         bending=_bending(panel),

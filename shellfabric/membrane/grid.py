@@ -30,6 +30,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import BoolArray, FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import entries
@@ -38,7 +39,7 @@ from fabrics.weave import Weave
 from shellfabric.block import coupling
 from shellfabric.block.block import Backing
 from shellfabric.cell.model import CellTable
-from shellfabric.membrane import boundary, forces, grading, time_step, unzipping
+from shellfabric.membrane import boundary, forces, grading, time_step
 from shellfabric.membrane.boundary import Boundary
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.parts import Part
@@ -87,7 +88,7 @@ class PanelGrid:
     parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
         of the panel
     yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
-        whether they would slip
+        whether they would slip; None takes that which is assumed of the fabric
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
         axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
         it in it
@@ -114,10 +115,10 @@ class PanelGrid:
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
     backing: Backing | None = None
-    packed_area: float = entries()["packed_area"].value
+    packed_area: float = entries()["packed_area"].number
     grading: tuple | None = None
     parts: tuple[Callable[[PanelGrid], Part], ...] = ()
-    yarn_friction: float = unzipping.FRICTION
+    yarn_friction: float | None = None
     ply_angle: float = 0.0
 
     def __post_init__(self):
@@ -216,6 +217,14 @@ class PanelGrid:
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
                 refuse(self, "grading", f"{allowed}, all that comes under the nose")
+
+    @property
+    def friction_between_yarns(self) -> float:
+        """[-] by which the checks of pinned crossovers judge: `yarn_friction`, or that which is assumed of
+        the fabric."""
+        if self.yarn_friction is not None:
+            return self.yarn_friction
+        return friction_between_yarns(self.fabric).value
 
     @property
     def fabric(self) -> Fabric:

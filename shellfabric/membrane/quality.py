@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import FloatArray
 from shellfabric.membrane import unzipping
 
@@ -231,7 +232,7 @@ LIMITS = {
         "over the nodes of a ply's yarns; plies touch at the mean of warp and weft, single yarns may reach past",
     ),
     "friction to hold yarns": (
-        unzipping.FRICTION,
+        friction_between_yarns().value,  # or that of the yarns
         "highest friction between yarns that it may take to stop this projectile; with too little it pushes "
         "them aside and passes",
     ),
@@ -346,7 +347,11 @@ def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[
     low, high = needed
     found = indicator("friction to hold yarns", high)
     words = f"by the fabric {low:.2g} to {high:.2g}; theirs is {friction:g}"
-    return [replace(found, limit=friction, meaning=f"{found.meaning}; {words}")]
+    # noted before it is doubtful, of slippery yarns too
+    assert found.note is not None
+    note = min(1.0, friction / found.limit) * found.note
+    meaning = f"{found.meaning}; {words}"
+    return [replace(found, limit=friction, note=note, meaning=meaning)]
 
 
 class Monitor:
@@ -497,7 +502,7 @@ def _unzipping(solver, cut_yarns, energies):
     speaks = (slipping > SLIPPING) & (recoil > RECOIL)
     found = indicator("unzipping", float(ratios.max(where=speaks, initial=0.0)))
     words = f"cut over struck yarns {ratios.max():.1f}, {100 * slipping.max():.0f} % of the loaded crossings would "
-    words += f"slip with friction {solver.panel.yarn_friction:g}, "
+    words += f"slip with friction {solver.panel.friction_between_yarns:g}, "
     words += f"viscosity took {100 * recoil:.0f} % after the first failure"
     return [replace(found, meaning=f"{found.meaning}; {words}")]
 

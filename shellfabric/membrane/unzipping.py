@@ -20,7 +20,6 @@ from fabrics.base.checks import FloatArray
 from shellfabric.membrane.slots import by_node
 from shellfabric.state import Constants, State
 
-FRICTION = 0.2  # [-] between yarns, assumed (yarns/assumed.toml)
 LOADED = 0.1  # of the strength: tensions of both yarns of a crossing below it do not count
 
 
@@ -72,7 +71,7 @@ def slipping_crossings(panel: Any, const: Constants, state: State) -> tuple[int,
     loaded = np.maximum(load_a / strengths[0], load_b / strengths[1]) > LOADED
     loaded &= whole
     force = contact_force(panel.table, stretch_a[loaded], stretch_b[loaded])
-    slip = q[loaded] > panel.yarn_friction * force
+    slip = q[loaded] > panel.friction_between_yarns * force
     return int(np.count_nonzero(slip)), int(np.count_nonzero(loaded))
 
 

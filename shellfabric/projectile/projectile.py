@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import metals
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.sourced import assumed_of
@@ -100,7 +101,7 @@ class Projectile:
     azimuth: float = 0.0
     yaw: float = 0.0
     roll: float = 0.0
-    friction: float = 0.0
+    friction: float = Assumed(0.0)
     body: str | Bar = "rigid"
     bore_diameter: float | None = None
     nose_length: float | None = None

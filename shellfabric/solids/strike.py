@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrics import catalogue
+from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
@@ -24,12 +25,10 @@ from shellfabric.solids.mesh import SolidMesh
 from shellfabric.solids.model import SolidPatch
 from shellfabric.solids.numerics import SolidNumerics
 from shellfabric.solids.solver import SolidSolver
-from shellfabric.yarns.model import DATA
 
 FEWEST = 3
 MOST = 40  # crossings of a side: 40 x 40 of the coarsest mesh are 50,000 hexahedra
 LONGEST = 100e-6  # [s]: a patch is clamped all round, and tears as one point of a brick sees it
-FRICTION = DATA["crossover_friction"]["value"]  # assumed, as of resolved yarns
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def strike(
     *,
     crossings: int = 12,
     size: Sequence[int] = (3, 3, 1),
-    friction: float = FRICTION,
+    friction: float | None = None,
     duration: float = 50e-6,
     failure: bool = True,
     numerics: SolidNumerics | None = None,
@@ -95,7 +94,8 @@ def strike(
     crossings : number of yarns of each family. Of an even number the gap between four yarns is
         struck; of an odd number a crossover, of which a quarter is computed
     size : hexahedra along, across and through a quarter of a yarn in one crossing
-    friction : Coulomb's coefficient between yarns (assumed; shellfabric/yarns/assumed.toml)
+    friction : Coulomb's coefficient between yarns; that of `fabrics.assumed.friction_between_yarns`
+        if not given
     duration : [s]
     failure : whether fibres fail
     numerics : SolidNumerics
@@ -117,6 +117,8 @@ def strike(
             value=duration,
             allowed=f"above 0 and at most {LONGEST:g} s: a patch is for the first microseconds",
         )
+    if friction is None:
+        friction = friction_between_yarns(known).value
     mesh = patch.build(known, (crossings, crossings), size=tuple(size))
     model = SolidPatch(
         SolidMesh.of(mesh, quarter=crossings % 2 == 1),

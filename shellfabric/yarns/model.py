@@ -15,8 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
+from fabrics.assumed import friction_between_yarns
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.families import entries
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
 from shellfabric.membrane.boundary import is_clamped
@@ -49,10 +52,9 @@ class YarnZone:
     ----------
     half_width : [m] of the square zone about the impact point; inf resolves the whole panel; None
         takes the default
-    friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings
+    friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings. That of
+        `fabrics.assumed.friction_between_yarns` if not given
     lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
-    assumed_friction : (low, high) of a friction that is assumed of a fibre family; empty of one that
-        is given, and of the default, whose range is in assumed.toml
     seed : of the aim, by which plies of a pack are shifted against each other (`lie_anywhere`)
 
     Raises
@@ -61,10 +63,9 @@ class YarnZone:
     """
 
     half_width: float | None = None
-    friction: float = DATA["crossover_friction"]["value"]
-    lateral: float = 1.0
+    friction: float = friction_between_yarns().number
+    lateral: float = entries(DATA)["lateral_stiffness"].number
     seed: int | Sequence[int] | None = None
-    assumed_friction: tuple[float, ...] = ()
 
     def __post_init__(self):
         if not self.width > 0:
@@ -84,10 +85,9 @@ class YarnZone:
     @property
     def friction_range(self) -> tuple[float, ...]:
         """(low, high) of the friction; empty of one that is given."""
-        entry = DATA["crossover_friction"]
-        if not self.assumed_friction and self.friction == entry["value"]:
-            return entry["low"], entry["high"]
-        return self.assumed_friction
+        if isinstance(self.friction, Assumed):
+            return self.friction.span
+        return ()
 
     @property
     def assumed_lines(self) -> tuple[str, ...]:

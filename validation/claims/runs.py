@@ -18,6 +18,7 @@ import numpy as np
 
 import weavecell as wc
 from fabrics import catalogue, ply_laws, variants
+from fabrics.assumed import friction_between_yarns
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
 from shellfabric.cell.model import CellModel
@@ -35,7 +36,6 @@ from shellfabric.solids import step_kernels
 from shellfabric.solids.mesh import SolidMesh
 from shellfabric.solids.model import SolidPatch
 from shellfabric.solids.solver import SolidSolver
-from shellfabric.solids.strike import FRICTION
 from validation.cases import block
 from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
@@ -354,7 +354,7 @@ def woven(
         SolidMesh.of(mesh, quarter=clamped and crossings % 2 == 1),
         given,
         setup(fabric, velocity).projectile,
-        friction=FRICTION,
+        friction=friction_between_yarns(given).value,
         fibre_fractions=tuple(mesh.Vf0),
         clamped=clamped,
     )

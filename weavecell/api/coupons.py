@@ -554,7 +554,12 @@ class PullOutResult(CouponResult):
         plateau = "not reached"
         if self.plateau is not None:
             plateau = f"{self.plateau:.4g} N"
+        friction = f"{facts['crossover_friction']:g}"
+        if self.solved.coupon.mu is None:
+            low, high = self.solved.coupon.assumed_friction.span
+            friction += f", assumed ({low:g} .. {high:g})"
         return {
+            "friction between yarns": friction,
             "displacement of the crosshead": f"{1e3 * facts['displacement_m']:.4g} mm",
             "peak load": f"{self.peak:.4g} N",
             "plateau load": plateau,

@@ -19,12 +19,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, Unpack
 
-from fabrics import plausible
+from fabrics import assumed, plausible
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
-from fabrics.friction.pull_out import FRICTION
 from weavecell.api import meshes, quantities
 from weavecell.api.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api.keywords import explain_keywords
@@ -291,7 +290,7 @@ def pull_out(
     end_displacement: float | str | list[float] | None = None,
     pressure: float | str | list[float] | None = None,
     pull: float | str | None = None,
-    friction: float = FRICTION,
+    friction: float | None = None,
     **shared: Unpack[CaseKeywords],
 ) -> CrossoverResult:
     """Pull one yarn along its axis until it slides.
@@ -306,7 +305,8 @@ def pull_out(
         four shares of its crimp if neither these nor pressures are given
     pressure : pressures of platens in their place, one for each transverse load [Pa]
     pull : displacement of the yarn along its axis [m]; as far as it takes to slide if not given
-    friction : Coulomb's coefficient between the yarns
+    friction : Coulomb's coefficient between the yarns; assumed by fibre family if not given, 0.2 of
+        para-aramid
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -317,6 +317,8 @@ def pull_out(
     """
     from unitcell3d.cases import pull_out as case
 
+    if friction is None:
+        friction = assumed.friction_between_yarns(meshes.resolve_fabric_for_3d(fabric)).value
     family = _family(yarn)
     lengths = []
     if end_displacement is not None:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.assumed import friction_between_yarns
 from fabrics.base.errors import InputError
 from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from fabrics.friction.pull_out import FRICTION_RANGE
 
 
 def yarn(fabric: Fabric, record: Record) -> dict[str, Any]:
@@ -121,12 +121,13 @@ def pull_out(fabric: Fabric, record: Record) -> dict[str, Any]:
     # one threshold does not determine a line
     if F_c.size > 1:
         law = case.fit(record)
+        usual = friction_between_yarns(fabric)
         numbers |= {
             "threshold without contact force, c0 [N]": law.c0,
             "effective coefficient, mu_eff [-]": law.mu_eff,
             "rms of the fit [N]": law.residual_rms,
-            "range of the coefficient [-]": list(FRICTION_RANGE),
-            "status of the range": "literature",
+            "range of the coefficient [-]": list(usual.number.span),
+            "status of the range": usual.status,
         }
     return numbers
 

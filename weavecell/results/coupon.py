@@ -197,7 +197,7 @@ def pull_out_record(curve: PullOutCurve, **facts: Any) -> Record:
     facts |= {
         "crossings": coupon.crossings,
         "pre_tension_N": coupon.pre_tension,
-        "crossover_friction": coupon.mu,
+        "crossover_friction": float(coupon.friction),
         "crossover_cohesion_N": coupon.cohesion,
         "yarn_bending_N_m2": coupon.bending[0],
         "displacement_m": float(curve.displacement[-1]),

@@ -59,7 +59,9 @@ def list_sources(
             found.append(Source(law.fabric, "compression law", "fitted", law.provenance))
     # a program that computed a result is no input file
     with suppress(ValueError):
-        found += _of_scene(parse_toml(scene_text))
+        scene = parse_toml(scene_text)
+        found += _of_scene(scene)
+        found += _of_friction(scene, fabrics)
     return list(dict.fromkeys(found))
 
 
@@ -102,6 +104,15 @@ def _of_scene(scene: Mapping[str, Any]) -> Iterator[Source]:
     if "plies" in panel or "ply" in panel:
         gap = data_sheet.entries()["ply_gap"]
         yield Source("pack", "ply_gap", gap.status, gap.source)
+
+
+def _of_friction(scene: Mapping[str, Any], fabrics: Iterable[Fabric]) -> Iterator[Source]:
+    """Source of the friction between resolved yarns, if the input file does not give it."""
+    panel = scene.get("panel", {})
+    if panel.get("crossovers", "pinned") != "pinned" and "crossover_friction" not in panel:
+        entry = assumed.friction_between_yarns(*fabrics)
+        name = data_sheet.FRICTION_BETWEEN_YARNS
+        yield Source("resolved yarns", name, entry.status, entry.source)
 
 
 def _of_rows(name: str, rows: Mapping[str, Any]) -> Iterator[Source]:

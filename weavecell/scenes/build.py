@@ -16,7 +16,6 @@ from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import Table, entries, tables
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
-from fabrics.families import entry
 from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
@@ -401,12 +400,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         }
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
-            given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].value
+            given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].number
         fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
         zone = _build_yarn_zone(panel, fabrics)
-        if zone is None:
-            # by which the checks of pinned yarns judge
-            given["yarn_friction"] = _friction_of_yarns(fabrics).value
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
@@ -438,20 +434,8 @@ def _build_yarn_zone(table, fabrics):
         "seed": table.aim_seed,
     }
     if table.crossover_friction is None:
-        friction = _friction_of_yarns(fabrics)
-        given["friction"] = friction.value
-        # the zone itself knows the range of its default
-        ends = friction.low, friction.high
-        if YarnZone(friction=friction.value).friction_range != ends:
-            given["assumed_friction"] = ends
+        given["friction"] = assumed.friction_between_yarns(*fabrics).number
     return YarnZone(**{field: value for field, value in given.items() if value is not None})
-
-
-def _friction_of_yarns(fabrics):
-    """The Entry of the friction between yarns that is assumed of fabrics."""
-    from shellfabric.yarns.model import DATA
-
-    return assumed.friction_of_yarns(entry(DATA["crossover_friction"], ""), *fabrics)
 
 
 def _projectile(table, fabric):
@@ -459,7 +443,7 @@ def _projectile(table, fabric):
     given = {}
     if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
         entries = assumed.shot_entries(fabric)
-        given["friction"] = entries[data_sheet.FRICTION_OF_PROJECTILE].value
+        given["friction"] = entries[data_sheet.FRICTION_OF_PROJECTILE].number
     return make_projectile(table, **given)
 
 

@@ -129,8 +129,11 @@ class PullOutTable(Table):
         "tension of each crossing yarn before the pull", "N", "10 N", zero=True
     ) = 0.0
     crossover_friction: number(
-        "Coulomb coefficient of yarn on yarn (assumed)", 0.3, ge=0.0, le=2.0
-    ) = 0.2
+        "Coulomb coefficient of yarn on yarn; assumed by fibre family if not given, 0.2 of para-aramid",
+        0.3,
+        ge=0.0,
+        le=2.0,
+    ) = None
     crossover_cohesion: quantity(
         "friction of a crossover without contact force", "N", "0.1 N", zero=True
     ) = 0.0
@@ -236,7 +239,8 @@ def list_numbers(scene: CouponScene, fabric: Fabric) -> Iterator[Number]:
             drawn = table.crossings / fabric.weave.weft_count
             ratio = table.displacement / drawn
             yield Number("pull_out.displacement", "pull_out_displacement", ratio)
-            yield Number("pull_out.crossover_friction", "friction", table.crossover_friction)
+            if table.crossover_friction is not None:
+                yield Number("pull_out.crossover_friction", "friction", table.crossover_friction)
             strength = fabric.weave.weft.strength
             yield Number("pull_out.pre_tension", "yarn_force", table.pre_tension / strength)
             ratio = table.crossover_cohesion / strength

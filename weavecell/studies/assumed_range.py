@@ -22,6 +22,7 @@ from typing import Any
 
 from fabrics import assumed, data_sheet
 from fabrics.base import run_cache
+from fabrics.base.assumed_number import is_assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
 from shellfabric.impact.run import run_impact
@@ -184,7 +185,7 @@ def changes(setup: ImpactSetup) -> Ends:
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
     for name, entry in inputs.ranges(*setup.fabrics).items():
-        if _is_given(setup, name, entry.value):
+        if _is_given(setup, name):
             continue
         own = {}
         for end in (entry.low, entry.high):
@@ -257,23 +258,23 @@ def _set_value(setup, name, value):
     return setup
 
 
-def _is_given(setup, name, assumed_value):
+def _is_given(setup, name):
     """Whether the set-up has a number of the user's own in place of what is assumed by this name: a
     measured friction is not varied."""
     match name:
         case data_sheet.FRICTION_OF_PROJECTILE:
-            value, default = setup.projectile.friction, type(setup.projectile).friction
+            number = setup.projectile.friction
         case data_sheet.FRICTION_BETWEEN_PLIES:
-            value, default = setup.ply_friction, type(setup).ply_friction
+            number = setup.ply_friction
         case "area of packed fabric":
-            value, default = setup.packed_area, type(setup).packed_area
+            number = setup.packed_area
         case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
-            return not setup.crossovers.friction_range
+            number = setup.crossovers.friction
         case "lateral stiffness of yarns" if setup.crossovers is not None:
-            value, default = setup.crossovers.lateral, type(setup.crossovers).lateral
+            number = setup.crossovers.lateral
         case _:
             return False
-    return value not in (default, assumed_value)
+    return not is_assumed(number)
 
 
 def _with_woven_strength(ply, value):

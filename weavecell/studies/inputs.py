@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics import data_sheet, families, plausible, variants
-from fabrics.assumed import friction_of_yarns, shot_entries
+from fabrics.assumed import friction_between_yarns, shot_entries
 from fabrics.base.checks import fraction, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
@@ -70,10 +70,8 @@ def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
 
     of_sheet = data_sheet.entries()
     assumed = shot_entries(*fabrics) | table("assumed")
-    of_yarns = families.entries(DATA)
-    usual = of_yarns["crossover_friction"]
-    assumed[FRICTION_OF_CROSSOVERS] = friction_of_yarns(usual, *fabrics)
-    assumed["lateral stiffness of yarns"] = of_yarns["lateral_stiffness"]
+    assumed[FRICTION_OF_CROSSOVERS] = friction_between_yarns(*fabrics)
+    assumed["lateral stiffness of yarns"] = families.entries(DATA)["lateral_stiffness"]
     return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 
 

@@ -1,5 +1,7 @@
 """One yarn drawn through held crossovers: plateau, capstan, front of slip, the ends of the yarn, work, bending."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,15 @@ def table(straight):
 @pytest.fixture(scope="module")
 def crimped(tables):
     return tables["variational"]
+
+
+@pytest.mark.parametrize("family, friction", [(None, 0.2), ("UHMWPE", 0.12), ("polyester", 0.3)])
+def test_friction_that_is_not_given_is_of_the_fibre_family(table, family, friction):
+    model = replace(table.model, fabric=replace(table.model.fabric, family=family))
+    coupon = PullOut(replace(table, model=model), 10)
+    assert coupon.friction == friction
+    assert coupon.assumed_friction.low < friction < coupon.assumed_friction.high
+    assert PullOut(replace(table, model=model), 10, mu=0.17).friction == 0.17
 
 
 @pytest.mark.parametrize("n, threshold", [(1, 2.0), (10, 0.5), (20, 2.0)])

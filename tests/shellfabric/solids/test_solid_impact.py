@@ -1,10 +1,13 @@
 """Solid yarns that are struck: balances, the quarter against the whole, checkpoints."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 pytest.importorskip("gmsh")
 
+from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.loop import checkpoint
 from shellfabric.solids.strike import strike
@@ -94,10 +97,14 @@ def test_fibres_that_fail_are_booked(mesh):
     assert np.abs(run.sample("error")).max() < 5e-3 * run.strike_energy
 
 
-@pytest.mark.parametrize("crossings, modelled", [(4, 1.0), (3, 0.25)])
-def test_a_patch_is_struck_in_one_call(crossings, modelled):
-    """An even number of yarns has a gap in its middle, an odd one a crossover."""
-    shot = strike("S-720", 60.0, SHOT, crossings=crossings, size=(2, 2, 1), duration=1e-6)
+@pytest.mark.parametrize(
+    "crossings, modelled, family, friction", [(4, 1.0, None, 0.2), (3, 0.25, "UHMWPE", 0.12)]
+)
+def test_a_patch_is_struck_in_one_call(crossings, modelled, family, friction):
+    """An even number of yarns has a gap in its middle, an odd one a crossover; friction is of the family."""
+    fabric = replace(catalogue.load("S-720"), family=family)
+    shot = strike(fabric, 60.0, SHOT, crossings=crossings, size=(2, 2, 1), duration=1e-6)
+    assert shot.patch.friction == friction
     assert shot.patch.mesh.share == modelled
     assert shot.t[-1] == pytest.approx(1e-6)
     assert shot.v[-1] < 60 == shot.v[0]

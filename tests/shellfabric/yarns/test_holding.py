@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 
 from fabrics import catalogue
+from fabrics.assumed import friction_between_yarns
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane import quality
-from shellfabric.membrane.unzipping import FRICTION
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.holding import (
     BISECTIONS,
@@ -16,7 +16,7 @@ from shellfabric.yarns.holding import (
     friction_of_plies,
     friction_to_hold,
 )
-from shellfabric.yarns.model import DATA, YarnZone, aim
+from shellfabric.yarns.model import YarnZone, aim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
 FLAT = Projectile(mass=0.69e-3, radius=2.78e-3)
@@ -95,7 +95,19 @@ def test_the_friction_that_holds_yarns_by_nose_and_ply():
 
 
 def test_the_checks_of_pinned_yarns_assume_the_friction_of_resolved_ones():
-    assert FRICTION == DATA["crossover_friction"]["value"] == YarnZone().friction
+    """Pinned ones of each fibre family, one that is given, and resolved ones without a fabric."""
+    usual = friction_between_yarns()
+    assert YarnZone().friction == quality.LIMITS["friction to hold yarns"][0] == usual.value
+    assert YarnZone().friction_range == (usual.low, usual.high)
+    assert YarnZone(friction=usual.value).friction_range == ()
+    slippery = replace(catalogue.load("S-728"), family="UHMWPE")
+    for fabric, own in ((catalogue.load("S-728"), usual.value), (slippery, 0.12)):
+        setup = replace(PINNED, fabric=fabric)
+        assert setup.panel().friction_between_yarns == own
+        (found,) = quality.judge_friction((0.08, 0.17), setup.panel().friction_between_yarns)
+        assert (found.limit, found.note) == pytest.approx((own, 0.75 * own))
+        assert found.doubtful == (own == 0.12)
+    assert replace(PINNED, yarn_friction=0.17).panel().friction_between_yarns == 0.17
 
 
 @pytest.mark.slow

@@ -1,6 +1,8 @@
 """A fabric file with what a data sheet gives: what is assumed is printed, recorded and shown; else one line."""
 
 import json
+import pickle
+from copy import deepcopy
 from dataclasses import replace
 from functools import reduce
 from math import acos
@@ -495,6 +497,44 @@ def test_a_number_of_the_users_own_is_not_varied(name, given):
     after = list(assumed_range.changes(given(assumed_of)))
     assert name in before
     assert after == [other for other in before if other != name]
+
+
+@pytest.mark.parametrize(
+    "name, key, scenes",
+    [
+        ("friction of the projectile", "projectile", [MINE, "S-728"]),
+        ("friction between plies", "ply_friction", [MINE, "S-728"]),
+        ("friction of crossovers", "crossover_friction", [MINE, "S-728"]),
+        ("strength after weaving", "weaving_damage", [MINE]),
+    ],
+)
+def test_a_number_that_equals_the_assumed_one_is_the_users_own(name, key, scenes):
+    """It is not varied, in any way in which a set-up passes: copies, other processes, other changes."""
+    for fabric in scenes:
+        more = {"plies": 2, "crossovers": "yarns", "law": catalogue.load("S-720").laws[0]}
+        if fabric == "S-728":
+            more.pop("law")
+        plain = wc.setup(fabric, "150 m/s", **more)
+        numbers = {
+            "projectile": {
+                "mass": "3 g",
+                "diameter": "5.5 mm",
+                "edge_radius": "0.3 mm",
+                "friction": float(plain.projectile.friction),
+            },
+            "ply_friction": plain.ply_friction,
+            "crossover_friction": plain.crossovers.friction,
+            "weaving_damage": {"strength": 0.94, "source": "tested"},
+        }
+        value = numbers[key]
+        own = value if isinstance(value, dict) else float(value)
+        given = wc.setup(fabric, "150 m/s", **more, **{key: own})
+        before, after = (list(assumed_range.changes(each)) for each in (plain, given))
+        assert after == [other for other in before if other != name]
+        assert name in before
+        for copied in (pickle.loads(pickle.dumps(plain)), deepcopy(plain), replace(plain)):
+            assert list(assumed_range.changes(copied)) == before
+        assert list(assumed_range.changes(pickle.loads(pickle.dumps(given)))) == after
 
 
 def replace_in(setup, part, **numbers):
