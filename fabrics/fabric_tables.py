@@ -94,6 +94,14 @@ class Quantity:
                 raise InputError(key=key, value=value, allowed=f"from {self.bounds[unit]}")
         return number, unit
 
+    def takes(self, value: Any) -> bool:
+        """Return whether a value has a unit of this number, within bounds or not."""
+        try:
+            in_one_of(value, tuple(self.bounds))
+        except InputError:
+            return False
+        return True
+
     def datum(self, entry: Any, info: Any) -> Datum:
         """Return the Datum of an entry of a file, whose name is the source if the entry gives
         none."""

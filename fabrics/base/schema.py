@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
@@ -30,8 +30,10 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
     WithJsonSchema,
+    model_validator,
 )
 from pydantic.fields import FieldInfo
+from pydantic_core import InitErrorDetails
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest, together
@@ -61,6 +63,31 @@ class Table(BaseModel):
                 raise InputError(key=key, allowed=allowed)
 
     @classmethod
+    def required_by(cls, given: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return the keys that the given ones make required, such as what a shape needs."""
+        return ()
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _require(cls, given, handler):
+        """Name keys that others make required beside all else that is wrong, not in a second round."""
+        missing: list[InitErrorDetails] = []
+        if isinstance(given, Mapping):
+            for key in cls.required_by(given):
+                if given.get(key) is None:
+                    missing.append({"type": "missing", "loc": (key,), "input": given})
+        try:
+            made = handler(given)
+        except ValidationError as problem:
+            if not missing:
+                raise
+            found = [_again(error) for error in problem.errors(include_url=False)]
+            raise ValidationError.from_exception_data(cls.__name__, [*found, *missing]) from None
+        if missing:
+            raise ValidationError.from_exception_data(cls.__name__, missing)
+        return made
+
+    @classmethod
     def unknown(cls, key: str, near: str | None) -> tuple[str | None, str | None]:
         """Return (message, what is allowed) for a key that the table has not, and that may be meant
         for one `near` it.
@@ -71,6 +98,12 @@ class Table(BaseModel):
         if near:
             hint = f', did you mean "{near}"?'
         return f"unknown key{hint} allowed here: {', '.join(cls.model_fields)}", None
+
+
+def _again(error):
+    """An error of pydantic, as a new ValidationError takes it."""
+    kept = ("type", "loc", "input", "ctx")
+    return {name: error[name] for name in kept if name in error}
 
 
 Kind = TypeVar("Kind", bound=Table)

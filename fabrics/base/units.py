@@ -83,6 +83,9 @@ _ALIASES = {
     # the gram of a tenacity is a force
     **dict.fromkeys(("g/den", "g/denier", "gf/den", "gpd"), "gf/denier"),
     **dict.fromkeys(("mil", "mils"), "thou"),
+    # ounces a square yard
+    **dict.fromkeys(("osy", "opsy", "oz/sqyd", "oz/sq yd", "oz/sq. yd."), "oz/yd^2"),
+    **dict.fromkeys(("g/sqm", "g/sq m", "g/sq. m."), "gsm"),
 }
 
 

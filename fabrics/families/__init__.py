@@ -32,7 +32,7 @@ from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import Yarn
 
-__all__ = ["Entry", "Family", "entry", "list_families"]
+__all__ = ["Entry", "Family", "entry", "find_family", "list_families"]
 
 # the first that yarns belong to is theirs
 FILES = ("para-aramid", "uhmwpe", "e-glass", "nylon", "polyester", "pbo", "carbon", "lcp")
@@ -97,6 +97,7 @@ class Family:
     Parameters
     ----------
     name : such as "para-aramid"
+    known_as : other names of such fibres, as users write them
     limits : {"modulus": (low, high) [Pa], "fibre_density": (low, high) [kg/m3]} of yarns that
         belong to it
     strengths : {"strength": (low, high) [Pa], "failure_strain": (low, high)} that such yarns may
@@ -118,6 +119,7 @@ class Family:
     strain_rate: RateLaw | None = None
     typical: Mapping[str, dict[str, str]] = field(default_factory=dict)
     linear: bool = True
+    known_as: tuple[str, ...] = ()
     shots: Mapping[str, Entry] = field(default_factory=dict)
     power: float = 1.0
     of_others: bool = False
@@ -191,6 +193,26 @@ def list_families() -> tuple[Family, ...]:
     return tuple(_read(Path(__file__).with_name(f"{name}.toml")) for name in FILES)
 
 
+def find_family(text: str) -> Family | None:
+    """Find the family of a name, or of another name of such fibres, in small or capital letters and
+    with a type behind it, such as "kevlar 49"; None if there is none."""
+    wanted = _bare(text)
+    found = None
+    longest = 0
+    for family in list_families():
+        for name in map(_bare, (family.name, *family.known_as)):
+            # the longest: polyethylene terephthalate is no polyethylene
+            if wanted.startswith(name) and len(name) > longest:
+                found = family
+                longest = len(name)
+    return found
+
+
+def _bare(text):
+    """A name without what is written in several ways."""
+    return "".join(filter(str.isalnum, text.lower()))
+
+
 def _read(path: FilePath) -> Family:
     content = read_data(path)
     units = {"modulus": "Pa", "fibre_density": "kg/m^3", "strength": "Pa", "failure_strain": ""}
@@ -214,6 +236,7 @@ def _read(path: FilePath) -> Family:
         entries,
         strain_rate=law,
         typical=content["typical"],
+        known_as=tuple(content["known_as"]),
         linear=content["yarns"].get("linear", True),
         shots=shots,
         power=power,

@@ -20,7 +20,7 @@ from fabrics.base.errors import InputError, placed, unknown_name
 from fabrics.base.schema import read_toml, validated
 from fabrics.base.sourced import assumed_of
 from fabrics.base.units import si
-from fabrics.fabric_tables import FIBRES
+from fabrics.families import find_family, list_families
 from weavecell import scenes
 from weavecell.api import quantities
 from weavecell.scenes import build
@@ -529,8 +529,8 @@ def new_fabric(
     from weavecell.scenes import fabric_file
 
     path = _new_toml(file)
-    if family not in (None, *FIBRES):
-        raise InputError(key="family", value=family, allowed=f"one of {', '.join(FIBRES)}")
+    if family is not None:
+        family = _family_name(family)
     if frame_side is None:
         side = None
     else:
@@ -554,6 +554,18 @@ def new_fabric(
     stands_in = [value.line(key) for key, value in draft.values.items() if value.stands_in]
     for line in (*fitted, *stands_in, *fabric_file.left_open(fabric, path)):
         logging.getLogger("weavecell").info(line)
+
+
+def _family_name(text):
+    """The name of the fibre family that a user means by a text."""
+    found = find_family(text)
+    if found is None:
+        names = ", ".join(f"{each.name} ({', '.join(each.known_as)})" for each in list_families())
+        allowed = (
+            f"one of {names}; for another fibre the one most like it, whose ranges are then wider"
+        )
+        raise InputError(key="family", value=text, allowed=allowed)
+    return found.name
 
 
 def _ask_values(family):

@@ -115,7 +115,14 @@ class Draft:
 def check(key: str, text: str) -> str:
     """Check the text of one value; InputError if it is not a quantity of a unit that the key may
     have, or out of bounds."""
-    ALL[key].read(text, key=key)
+    try:
+        ALL[key].read(text, key=key)
+    except InputError as problem:
+        others = [name for name in ALL if name != key and ALL[name].takes(text)]
+        if ALL[key].takes(text) or not others:
+            raise
+        allowed = f"{problem.allowed}; this is a unit of {' or '.join(others)}"
+        raise problem.changed(allowed=allowed) from None
     return text.strip()
 
 

@@ -3,6 +3,7 @@ computed or written."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -175,6 +176,21 @@ class ProjectileTable(Table):
         "0.6 mm",
     ) = None
 
+    @classmethod
+    def required_by(cls, given: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return what the shape needs, and the other one of two keys that are given together."""
+        keys: tuple[str, ...] = ()
+        shape = given.get("shape", "flat")
+        if shape in list(SHAPES):
+            # a body of an STL file is made from its file
+            keys += ("stl", "stl_unit") if shape == "stl" else SHAPES[shape].keys
+            if shape != "sphere":
+                keys += ("edge_radius",)
+        for pair in (("jacket", "jacket_thickness"), ("cavity_diameter", "cavity_depth")):
+            if any(given.get(key) is not None for key in pair):
+                keys += pair
+        return keys
+
     @model_validator(mode="after")
     def _check_body(self):
         if self.body != "metal":
@@ -185,16 +201,11 @@ class ProjectileTable(Table):
             self.refuse("azimuth", "left out without obliquity and yaw: it is their direction")
         if SHAPES[self.shape].turned:
             self.refuse("roll", f"left out for {SHAPES[self.shape].words}, alike from all sides")
-        if (self.jacket is None) != (self.jacket_thickness is None):
-            raise InputError(key="jacket_thickness", allowed="given together with jacket")
         if self.body != "elastic_bar":
             words = {"rigid": "a rigid projectile", "metal": 'the body "metal"'}[self.body]
             self.refuse("bore_diameter", f"left out for {words}")
         if self.shape == "sphere":
             self.refuse("edge_radius", "left out for a sphere")
-        elif self.edge_radius is None:
-            allowed = type(self).model_fields["edge_radius"].description
-            raise InputError("is missing", key="edge_radius", allowed=allowed)
         elif self.edge_radius >= self.diameter / 2:
             raise InputError(key="edge_radius", allowed="below half of projectile.diameter")
         return self

@@ -24,7 +24,7 @@ import numpy as np
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, together
 from fabrics.base.units import si
 from shellfabric.projectile import solid as solid_body
 from shellfabric.projectile.shapes import SHAPES
@@ -308,11 +308,14 @@ def describe_stl(
     given = table.get("projectile")
     if not isinstance(given, dict) or given.get("shape") != "stl":
         return table
+    missing = []
     for key in ("stl", "stl_unit", "edge_radius"):
         if key not in given:
-            raise InputError(
-                "is missing", file=file, key=f"projectile.{key}", allowed=fields[key].description
-            )
+            allowed = fields[key].description
+            line = InputError("is missing", file=file, key=f"projectile.{key}", allowed=allowed)
+            missing.append(line)
+    if missing:
+        raise together(missing)
     for key, fits in (
         ("stl", isinstance(given["stl"], str)),
         ("stl_unit", given["stl_unit"] in [*UNITS]),

@@ -63,6 +63,58 @@ def test_a_page_of_any_family_becomes_a_fabric(family, printed, tmp_path):
                 )
 
 
+@pytest.mark.parametrize(
+    "text, name",
+    [
+        ("kevlar 49", "para-aramid"),
+        ("Aramid", "para-aramid"),
+        ("uhmwpe", "UHMWPE"),
+        ("Dyneema SK75", "UHMWPE"),
+        ("e glass", "E-glass"),
+        ("PA6.6", "nylon"),
+        ("Polyethylene-terephthalate", "polyester"),
+        ("zylon AS", "PBO"),
+        ("VECTRAN", "LCP"),
+    ],
+)
+def test_a_family_is_found_by_the_names_that_users_write(text, name, tmp_path):
+    wc.new_fabric(tmp_path / "mine.toml", values=sheet(tmp_path, PAGE), family=text)
+    assert wc.fabric(tmp_path / "mine.toml").family == name
+
+
+@pytest.mark.parametrize("text", ["S-glass", "basalt", "", "E", "poly"])
+def test_a_fibre_of_no_family_is_told_what_to_name(text, tmp_path):
+    with pytest.raises(InputError) as refused:
+        wc.new_fabric(tmp_path / "mine.toml", values=sheet(tmp_path, PAGE), family=text)
+    assert "PBO (Zylon)" in str(refused.value)
+    assert "most like it" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "key, text, units_of",
+    [
+        ("tenacity", "3530 MPa", ["modulus", "strength"]),
+        ("linear_density", "180 gsm", ["areal_density"]),
+        ("thickness", "12 / cm", ["count"]),
+        ("fibre_density", "12 m/s", []),
+    ],
+)
+def test_a_value_under_the_wrong_key_names_the_keys_of_its_unit(key, text, units_of, tmp_path):
+    path = sheet(tmp_path, PAGE | {key: (text, "")})
+    with pytest.raises(InputError) as refused:
+        fabric_file.read_values(path, "nylon")
+    (line,) = [line for line in str(refused.value).splitlines() if key in line]
+    if units_of:
+        assert line.endswith(f"this is a unit of {' or '.join(units_of)}")
+    else:
+        assert "this is a unit" not in line
+
+
+@pytest.mark.parametrize("text", ["5.9 osy", "5.9 opsy", "200 gsm", "200 g/sq m", "5.9 oz/sq. yd."])
+def test_an_areal_density_is_in_the_units_of_the_trade(text):
+    assert si(text, "kg/m^2") == pytest.approx(0.2, rel=2e-3)
+
+
 @pytest.mark.parametrize("key", ["fibre_density", "modulus", "failure_strain"])
 def test_a_stop_says_what_to_write(key, tmp_path):
     given = {"fibre_density": "1.38 g/cm^3", "modulus": "11 GPa", "tenacity": "8 g/den"}
@@ -160,6 +212,6 @@ def test_friction_of_yarns_is_of_their_family(family, friction, ends, tmp_path):
     runs = assumed_range.changes(setup)[inputs.FRICTION_OF_CROSSOVERS].values()
     assert [change(setup).crossovers.friction for change in runs] == list(ends)
     pinned = wc.setup(mine, "90 m/s", **given)
-    assert pinned.yarn_friction == friction
+    assert pinned.panel(pinned.plain_table()).friction_between_yarns == friction
     own = wc.setup(mine, "90 m/s", crossovers="yarns", crossover_friction=0.17, **given)
     assert (own.crossovers.friction, own.crossovers.friction_range) == (0.17, ())

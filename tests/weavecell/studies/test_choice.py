@@ -181,7 +181,7 @@ def test_the_cost_of_both_runs_is_known_before(study):
 
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 @pytest.mark.filterwarnings("ignore:.*the edges follow yarns:UserWarning")
-@pytest.mark.parametrize("friction, named", [(0.2, True), (0.15, False)])
+@pytest.mark.parametrize("friction, named", [(None, True), (0.2, False)])
 def test_every_answer_of_resolved_yarns_names_the_friction_that_is_assumed_first(friction, named):
     """Of a shot, a limit and a V50: before all else that is said of its number."""
     words = "friction between yarns assumed, 0.1 to 0.3"
