@@ -5,7 +5,9 @@ from math import radians
 
 import numpy as np
 
+from fabrics.base.kernel_cache import kernel
 from shellfabric.impact.run import run_impact
+from shellfabric.projectile import sdf_kernels
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.solid import Solid
 from weavecell.api import runs
@@ -55,14 +57,32 @@ def write(path, points, faces, binary=True):
     return path
 
 
+@kernel()
+def fill_distances(nose, places, depths, normals):
+    """Compute the signed distances [m] of places (n, 3) in the frame of a nose, and the normals (n, 3) there."""
+    for k in range(places.shape[0]):
+        depth, normal = sdf_kernels.distance(nose, (places[k, 0], places[k, 1], places[k, 2]))
+        depths[k] = depth
+        normals[k, 0], normals[k, 1], normals[k, 2] = normal
+
+
+def distances(shot, places):
+    """Compute the signed distances (n,) [m] of a projectile and the normals (n, 3) at places (n, 3), as its
+    `distance` does one by one."""
+    depths = np.empty(len(places))
+    normals = np.empty((len(places), 3))
+    fill_distances(shot.nose, np.ascontiguousarray(places @ shot.frame.T), depths, normals)
+    return depths, normals @ shot.frame
+
+
 def sampled(shot, samples):
     """A projectile by samples of its analytic distance, some of them in an edge radius."""
     points, faces = triangles(shot, 61, 73)
     h = shot.edge_radius / samples
     axes = Solid.axes(points, h)
-    d = np.array(
-        [[[shot.distance((x, y, z))[0] for z in axes[2]] for y in axes[1]] for x in axes[0]]
-    )
+    places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    depths, _ = distances(shot, places.reshape(-1, 3))
+    d = depths.reshape(places.shape[:3])
     solid = Solid(f"{shot.shape} {samples}", h, points, faces, d)
     rigid = {
         key: getattr(shot, key)
@@ -80,11 +100,12 @@ def errors(shot, other, count=4000):
     places = np.column_stack(
         [rng.uniform(-away, away, (4 * count, 2)), rng.uniform(-end, 0, 4 * count)]
     )
-    shell = [(place, *shot.distance(place)) for place in places]
-    shell = [one for one in shell if -0.5 * shot.edge_radius < one[1] < 0][:count]
-    found = [(d, n, *other.distance(place)) for place, d, n in shell]
-    turned = [np.degrees(np.arccos(np.clip(n @ m, -1, 1))) for _, n, _, m in found]
-    return np.array([(e - d) / shot.edge_radius for d, _, e, _ in found]), np.array(turned)
+    depths, normals = distances(shot, places)
+    shell = np.flatnonzero((depths > -0.5 * shot.edge_radius) & (depths < 0))[:count]
+    found, turned = distances(other, places[shell])
+    cosine = np.einsum("ij,ij->i", normals[shell], turned)
+    off = (found - depths[shell]) / shot.edge_radius
+    return off, np.degrees(np.arccos(np.clip(cosine, -1, 1)))
 
 
 def from_file(path):

@@ -273,9 +273,9 @@ def dotted_exists(index, parts):
     return all(part in index.members for part in parts[1:])
 
 
-def dead_references(root):
+def dead_references(index):
     """Yield "file:line `reference`" of each reference of the packages that names nothing."""
-    index = Index(root)
+    root = index.root
     for path, tree in index.trees.items():
         code = names_in_code(tree)
         for line, text in texts(path, tree):
@@ -292,13 +292,13 @@ def pages(root):
             yield path, path.read_text("utf-8")
 
 
-def dead_references_of_pages(root):
+def dead_references_of_pages(index):
     """Yield "file:line `reference`" of each file, and each name of a file, that is not there.
 
     Pages quote keys, columns and commands in backticks too. Looked up are dotted names that begin
     with a package, files of the packages, and names written as "`NAME` of `folder/file.py`".
     """
-    index = Index(root)
+    root = index.root
     for path, text in pages(root):
         for found in IN_BACKTICKS.finditer(text):
             reference = found[1]
@@ -320,12 +320,18 @@ def place_on_page(root, path, text, found, reference):
     return f"{path.relative_to(root)}:{line} `{reference}`"
 
 
-def test_references_name_what_exists():
-    assert sorted(dead_references(ROOT)) == []
+@pytest.fixture(scope="module")
+def house():
+    """Return the Index of this repository."""
+    return Index(ROOT)
 
 
-def test_pages_name_files_and_functions_that_exist():
-    assert sorted(dead_references_of_pages(ROOT)) == []
+def test_references_name_what_exists(house):
+    assert sorted(dead_references(house)) == []
+
+
+def test_pages_name_files_and_functions_that_exist(house):
+    assert sorted(dead_references_of_pages(house)) == []
 
 
 @pytest.fixture(scope="module")
@@ -374,7 +380,7 @@ def test_planted_references_are_found_if_they_name_nothing(small_house, referenc
         "message": f'local = 1\nraise ValueError("{text}")\n',
     }
     (small_house / "shellfabric" / "planted.py").write_text(lines[written])
-    found = list(dead_references(small_house))
+    found = list(dead_references(Index(small_house)))
     assert len(found) == dead
     if dead:
         assert found[0].startswith("shellfabric/planted.py:")
@@ -430,4 +436,4 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
 )
 def test_planted_references_of_pages_are_found_if_they_name_nothing(small_house, text, dead):
     (small_house / "CONTRIBUTING.md").write_text(f"# Add\n\n- {text}\n")
-    assert len(list(dead_references_of_pages(small_house))) == dead
+    assert len(list(dead_references_of_pages(Index(small_house)))) == dead

@@ -1,6 +1,7 @@
 """A change in a kernel must reach the cached kernels that call it from another file, and no others."""
 
 import ast
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -122,7 +123,7 @@ def helpers_of(file):
         if path in found or not path.is_file():
             continue
         found.add(path)
-        tree = ast.parse(path.read_text("utf-8"))
+        tree = tree_of(path)
         modules = {}
         for node in tree.body:
             if not isinstance(node, ast.ImportFrom) or not node.module.startswith("shellfabric"):
@@ -141,9 +142,15 @@ def helpers_of(file):
     return found
 
 
+@functools.cache
+def tree_of(path):
+    return ast.parse(path.read_text("utf-8"))
+
+
+@functools.cache
 def is_inside(path, name):
     """Whether the code of a name of a file becomes part of the machine code that uses it."""
-    for node in ast.parse(path.read_text("utf-8")).body:
+    for node in tree_of(path).body:
         if isinstance(node, ast.FunctionDef) and node.name == name:
             return not any("unit" in ast.unparse(each) for each in node.decorator_list)
         if isinstance(node, ast.Assign) and name in map(ast.unparse, node.targets):

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from itertools import permutations
 
 import numpy as np
 import pytest
@@ -39,7 +38,7 @@ def test_kernels_of_cut_files_are_compiled_again(tmp_path, monkeypatch):
     random = np.random.default_rng(7)
     for file in files:
         whole = file.read_bytes()
-        for length in (0, *random.integers(1, len(whole), size=3)):
+        for length in (0, random.integers(1, len(whole))):
             file.write_bytes(whole[:length])
             assert run() == "42.5 1\n"
     assert run() == "42.5 0\n"
@@ -63,10 +62,19 @@ rounded = kernel(error_model="numpy", fastmath={"contract", "arcp"})(twice)
 def call(x):
     return called(x)
 """
-FIRST = "from mine.kernels import {0}; print({0}(21.0), sum({0}.stats.cache_misses.values()))"
+TELL = """
+import sys
+from mine import kernels
+
+for name in sys.argv[1:]:
+    kernel = getattr(kernels, name)
+    print(kernel(21.0), sum(kernel.stats.cache_misses.values()))
+"""
+# of any two each is the first once
+ORDERS = [("call", "plain", "rounded"), ("rounded", "plain", "call")]
 
 
-@pytest.mark.parametrize("order", list(permutations(("call", "plain", "rounded"))), ids="-".join)
+@pytest.mark.parametrize("order", ORDERS, ids="-".join)
 def test_each_set_of_options_has_machine_code_of_its_own(tmp_path, monkeypatch, order):
     """A kernel of the solids had no way in from Python, and the crossover crashed on its code."""
     package = tmp_path / "mine"
@@ -75,13 +83,13 @@ def test_each_set_of_options_has_machine_code_of_its_own(tmp_path, monkeypatch, 
     (package / "kernels.py").write_text(SHARED)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
 
-    def run(name, seed):
+    def run(seed, *names):
         monkeypatch.setenv("PYTHONHASHSEED", seed)
         done = subprocess.run(
-            [sys.executable, "-c", FIRST.format(name)], cwd=tmp_path, capture_output=True, text=True
+            [sys.executable, "-c", TELL, *names], cwd=tmp_path, capture_output=True, text=True
         )
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    assert [run(name, "1") for name in order] == ["42.5 1\n"] * 3
-    assert [run(name, "2") for name in order] == ["42.5 0\n"] * 3
+    assert [run("1", name) for name in order] == ["42.5 1\n"] * 3
+    assert run("2", *order) == "42.5 0\n" * 3

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from panels import BLOCK
+from panels import BLOCK, COARSER
 
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
@@ -35,6 +35,7 @@ def test_momentum_of_all_three_is_kept(fabric, faces):
         fabric,
         100.0,
         **QUICK | {"backing": replace(BLOCK, outer_boundary=faces, size=thin), "boundary": "free"},
+        grading=COARSER,
     )
     march = PackSolver(setup.panel(), 100.0, 20e-6)
     start = march.const.projectile_mass * 100.0
@@ -115,7 +116,8 @@ def test_shots_without_failure_have_a_table_that_goes_far(fabric):
 def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     """The run goes on for `after_stop`. What came before the stop is the same; a limit needs no more."""
     light = Projectile(mass=0.02e-3, radius=3e-3)
-    short = ImpactSetup(fabric, 60.0, projectile=light, **QUICK | {"end_time": 200e-6})
+    given = QUICK | {"end_time": 200e-6, "grading": COARSER}
+    short = ImpactSetup(fabric, 60.0, projectile=light, **given)
     long = replace(short, backing=replace(BLOCK, after_stop=30e-6))
     stopped = run_impact(short)
     path = tmp_path / "checkpoint.h5"
@@ -179,8 +181,9 @@ def test_a_share_of_packed_fabric_that_is_none_is_refused(fabric, share):
 
 def test_a_whole_block_is_four_quarters(fabric):
     """In all that is read off it."""
+    given = QUICK | {"end_time": 12e-6, "grading": COARSER}
     one, other = (
-        run_impact(ImpactSetup(fabric, 100.0, symmetry=part, **QUICK | {"end_time": 12e-6})).backing
+        run_impact(ImpactSetup(fabric, 100.0, symmetry=part, **given)).backing
         for part in ("whole", "quarter")
     )
     assert one.depth > 1e-4

@@ -28,12 +28,13 @@ def strained(material, deformation, rate, strain, steps=400):
     """Kirchhoff stress (3, 3) [Pa], plastic strain and plastic work [J/m3] after `steps` of F = deformation(strain)."""
     P = np.empty((3, 3))
     C = np.eye(3)
+    law = law_of(material)
     alpha = 0.0
     work = 0.0
     dt = strain / steps / rate
     for e in strain * np.arange(1, steps + 1) / steps:
         F = deformation(e)
-        _, part, alpha = block_kernels.hencky(F, C, alpha, law_of(material), 0.0, dt, P)
+        _, part, alpha = block_kernels.hencky(F, C, alpha, law, 0.0, dt, P)
         work += part
     return P @ F.T, alpha, work
 

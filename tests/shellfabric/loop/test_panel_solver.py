@@ -1,6 +1,7 @@
 """The march: the audit, symmetry, the window, checkpoints, guards, failure."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.state import DAMAGED, WARP_FAILED
 
 
+@cache
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
     setup = ImpactSetup(

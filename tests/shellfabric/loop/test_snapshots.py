@@ -56,7 +56,7 @@ PARTS = {
     "whole": {"symmetry": "whole"},
     # forces of the rows above a block of rows stand by themselves
     "small blocks": {"numerics": Numerics(threads=1, block=60)},
-    "pack": {"plies": 2, "opening": 0.04},
+    "pack": {"plies": 2, "opening": 0.03, "end_time": 79.9e-6},
     "oblique": {"symmetry": "whole", "weave_angle": 0.4},
 }
 
@@ -75,9 +75,8 @@ def test_reactions_take_up_the_momentum(shoot, part):
             / solver.share
         )
 
-    result = shoot(
-        60.0, end_time=119.9e-6, history=HistoryRequest(1e-9), hooks=[weigh], **PARTS[part]
-    )
+    given = {"end_time": 119.9e-6, "history": HistoryRequest(1e-9)} | PARTS[part]
+    result = shoot(60.0, hooks=[weigh], **given)
     t = result.measured[0].t
     edges = [ply.edges for ply in result.measured]
     lift = sum(ply[name][:, LIFT] for ply in edges for name in EDGES)
@@ -184,20 +183,22 @@ def test_fronts_of_made_up_waves():
 
 
 @pytest.mark.parametrize(
-    "crossing, end_time", [(1e-3, 76e-6), (1.0, 108e-6)], ids=["alone", "woven"]
+    "crossing, end_time, length",
+    [(0.3, 60e-6, 0.92), (1.0, 70e-6, 0.84)],
+    ids=["light weft", "woven"],
 )
-def test_straight_yarn_is_smiths(straight, crossing, end_time):
+def test_straight_yarn_is_smiths(straight, crossing, end_time, length):
     """c / sqrt(1 + mass of the crossing yarn over its own), and Smith's U and tension for a yarn of that mass.
 
-    Measured at 200 m/s: c -1.3 and -1.2 %, U +1.2 and +0.1 %, tension -0.4 % (one element a crossover); with two, c
-    -0.5 %, U -1.3 and -0.1 %.
+    Measured at 200 m/s: c within 0.1 %, U -1.5 and -0.9 %, tension -0.2 %; U comes nearer with time. A weft of less
+    than a quarter of the mass follows the warp in waves of its own, and is no part of Smith's theory.
     """
     fabric = straight(crossing)
     # soft contact: the yarn of Smith's theory is led by the nose and does not bounce off it
     setup = ImpactSetup(
         fabric,
         200.0,
-        opening=(1.3, 0.0165),
+        opening=(length, 0.0165),
         end_time=end_time,
         history=HistoryRequest(weft=()),
         numerics=Numerics(penalty=0.1),

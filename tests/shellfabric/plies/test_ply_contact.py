@@ -1,5 +1,6 @@
 """Contact of plies: the spline, forces against a slow plain twin, momentum, torn fabric, and that it has no memory."""
 
+import math
 from dataclasses import replace
 from math import radians
 
@@ -52,15 +53,32 @@ def without_ghosts(f, const):
     return f
 
 
+def bump(t):
+    """The quadratic B-spline of the textbook, which is zero from 1.5 on."""
+    t = abs(t)
+    if t < 0.5:
+        return 0.75 - t**2
+    return 0.5 * max(1.5 - t, 0.0) ** 2
+
+
+def near(at, n):
+    """The three control points of n, which begin at -1, whose bumps reach a place; and the bumps there."""
+    first = min(max(math.floor(at + 0.5), 0), n - 3)
+    return slice(first, first + 3), np.array([bump(at - first + 1 - k) for k in range(3)])
+
+
+def surface_at(x, a, b):
+    """(3,) of the biquadratic B-spline of control points x that begin at -1."""
+    (rows, wa), (columns, wb) = near(a, x.shape[0]), near(b, x.shape[1])
+    return wb @ (wa @ x[rows, columns].reshape(3, 9)).reshape(3, 3)
+
+
 def spline(x, a, b):
-    """The biquadratic B-spline of control points x that begin at -1, by the textbook's bumps; its weights."""
-
-    def bump(t):
-        t = abs(t)
-        return np.where(t < 0.5, 0.75 - t**2, np.where(t < 1.5, 0.5 * (1.5 - t) ** 2, 0.0))
-
-    wa, wb = (bump(at - np.arange(-1, n - 1)) for at, n in zip((a, b), x.shape))
-    return np.einsum("i,j,ijc->c", wa, wb, x), np.outer(wa, wb)[..., None]
+    """The place, and the weights of all control points."""
+    weights = np.zeros((*x.shape[:2], 1))
+    (rows, wa), (columns, wb) = near(a, x.shape[0]), near(b, x.shape[1])
+    weights[rows, columns, 0] = np.outer(wa, wb)
+    return surface_at(x, a, b), weights
 
 
 def plain(pressed):
@@ -104,12 +122,12 @@ def plain(pressed):
             ]
 
             def off(p, at=at):
-                return at - spline(y, *p)[0]
+                return at - surface_at(y, *p)
 
             def squared_distance(p, off=off):
                 return 1e6 * np.sum(off(p) ** 2)
 
-            foot = minimize(squared_distance, guess, tol=1e-14, method="Nelder-Mead").x
+            foot = minimize(squared_distance, guess, tol=1e-11, method="Nelder-Mead").x
             distance = np.linalg.norm(off(foot))
             closure = pressed.thickness - distance
             if closure <= 0:

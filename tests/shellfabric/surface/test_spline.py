@@ -1,5 +1,7 @@
 """The smooth surface of contact: against scipy's B-splines, at borders and gaps, and what it does to tensions."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from conftest_tools import foresee, on_grid
@@ -55,20 +57,22 @@ def whole_edge(state, const, family, i, j):
     return inside and state.intact_fraction[family][i * const.row_stride + j] > 0
 
 
+BUMP = BSpline.basis_element(np.arange(-1.5, 2.0))
+
+
+@cache
+def bump(z):
+    """scipy's quadratic B-spline about zero."""
+    return float(BUMP(z)) if abs(z) < 1.5 else 0.0
+
+
 def plain_weights(state, const, i, j, s, t):
     """{node: weight} of the point (s, t) of element (i, j), by ghost nodes that go straight on beyond a yarn's end."""
     q = int(s > 0.5)
     r = int(t > 0.5)
     m = i + q
     n = j + r
-    knots = np.arange(-1.5, 2.0)
-    basis = [
-        [
-            float(BSpline.basis_element(knots[:4] + k)(z)) if abs(z - k) < 1.5 else 0.0
-            for k in (-1, 0, 1)
-        ]
-        for z in (s - q, t - r)
-    ]
+    basis = [[bump(z - k) for k in (-1, 0, 1)] for z in (s - q, t - r)]
     along = [
         whole_edge(state, const, 0, m - 1, n) and whole_edge(state, const, 0, m, n),
         whole_edge(state, const, 1, m, n - 1) and whole_edge(state, const, 1, m, n),

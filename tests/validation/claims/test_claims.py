@@ -26,9 +26,9 @@ def marked(claim):
 
 
 @pytest.fixture(scope="session")
-def folder(tmp_path_factory):
-    """Of the runs that claims share."""
-    return tmp_path_factory.mktemp("runs")
+def folder(shared):
+    """Of the runs that claims share, in all processes of a session."""
+    return shared("runs-of-claims", lambda _: None)
 
 
 @pytest.mark.parametrize(
