@@ -21,6 +21,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from fabrics.base.assumed_number import Assumed
+
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell", "validation")
 FORMAT = "weavecell result 1"
 SUFFIX = "npz"
@@ -95,6 +97,8 @@ def _plain(value, arrays):
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
         return value
+    if kind is Assumed:
+        return {"assumed": [float(value), value.low, value.high]}
     if kind is list:
         return [_plain(part, arrays) for part in value]
     if kind is tuple:
@@ -147,6 +151,8 @@ def _content(plain, arrays):
         return arrays[f"array_{content}"]
     if kind == "number":
         return arrays[f"array_{content}"][()]
+    if kind == "assumed":
+        return Assumed(*content)
     if kind == "path":
         return Path(content)
     if kind == "namespace":

@@ -17,7 +17,9 @@ import pytest
 import fabrics
 from fabrics import catalogue
 from fabrics.base import run_cache, store
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.errors import InputError, UnstableError
+from shellfabric.projectile.projectile import Projectile
 from weavecell.studies.v50 import Shot
 
 KEY = "0123456789abcdef" * 2
@@ -41,6 +43,8 @@ CONTENTS = [
     10**30,
     0.1,
     float("inf"),
+    Assumed(0.2, 0.1, 0.3),
+    Projectile(mass=2e-3, edge_radius=2e-4),
     "a\n\u00fc\ud800",
     [1, [2.5, "x"]],
     (1, ("a", None)),
