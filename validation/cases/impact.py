@@ -29,7 +29,13 @@ from validation.models.ply_crossings import plies_cross
 from validation.values import Values, flags, rms
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.wave_fronts import fronts
-from weavecell.studies import ballistic_limit, lambert_jonas, mesh_uncertainty, sweep
+from weavecell.studies import (
+    ballistic_limit,
+    lambert_jonas,
+    mesh_uncertainty,
+    pack_limit,
+    sweep,
+)
 from weavecell.studies.window import QUANTITIES, Window
 
 if TYPE_CHECKING:
@@ -344,7 +350,8 @@ def limit(
     -------
     dict with low, high, critical, half_width [m/s]; shots; error [-], the largest of the energy balance over the strike
     energy; cut_yarns of the slowest perforation; strikes, residuals [m/s], a, p with their intervals and rms [m/s] of
-    the fit; flags of the bracket's shots
+    the fit; v50, v50_low, v50_high [m/s] by all shots (`pack_limit`), not a number of too few perforations; flags of
+    the bracket's shots
     """
     this = setup(**keywords)
     target = this.target(this.table(kept=True))
@@ -370,7 +377,11 @@ def limit(
     residuals = np.array([one.residual_velocity for one in shots])
     passed = np.array([one.perforated for one in shots])
     fit = lambert_jonas.fit(strikes[passed], residuals[passed], limit=bracket.velocity)
+    v50 = pack_limit.of_shots(bracket.shots + shots)
     return summary | {
+        "v50": v50.velocity if v50 else nan,
+        "v50_low": v50.low if v50 else nan,
+        "v50_high": v50.high if v50 else nan,
         "strikes": strikes.tolist(),
         "residuals": residuals.tolist(),
         "a": fit.a,
