@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from fabrics.assumed import given, of_thickness
 from fabrics.base.errors import InputError
@@ -160,9 +160,16 @@ def data_digest(fabric: Fabric) -> str:
     return inputs_digest((weave, sections, solid))
 
 
+# what a fabric has of (warp, weft)
+PAIRS = ("laws", "solid_laws", "effective_linear_density", "yarn_width", "yarn_area")
+# tables by names that may begin, or have in them, that of a family
+_NAMED = ("sources", "ranges", "micrograph")
+_OTHER = {"warp": "weft", "weft": "warp"}
+
+
 def rotated_90(fabric: Fabric) -> Fabric:
-    """Rotate the fabric by a right angle: warp and weft are exchanged, with their counts and
-    compression laws."""
+    """Rotate the fabric by a right angle: warp and weft are exchanged, with all that is known of
+    each."""
     weave = fabric.weave
     weave = replace(
         weave,
@@ -171,7 +178,16 @@ def rotated_90(fabric: Fabric) -> Fabric:
         warp_count=weave.weft_count,
         weft_count=weave.warp_count,
     )
-    laws = fabric.laws and fabric.laws[::-1]
-    widths = fabric.yarn_width[::-1]
-    areas = fabric.yarn_area[::-1]
-    return replace(fabric, weave=weave, laws=laws, yarn_width=widths, yarn_area=areas)
+    exchanged: dict[str, Any] = {"guessed": tuple(map(_of_other, fabric.guessed))}
+    for name in PAIRS:
+        pair = getattr(fabric, name)
+        exchanged[name] = pair and pair[::-1]
+    for name in _NAMED:
+        table = getattr(fabric, name)
+        exchanged[name] = {_of_other(key): value for key, value in table.items()}
+    return replace(fabric, weave=weave, **exchanged)
+
+
+def _of_other(key):
+    """The dotted key of the other family, such as "solid.weft.E_c"."""
+    return ".".join(_OTHER.get(part, part) for part in key.split("."))

@@ -10,6 +10,7 @@ from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PLATEN_PRESSURE, PlateCurve
 from fabrics.ply_law import PlyLaw
 from fabrics.ply_laws import between_plies
+from fabrics.variants import rotated_90
 from shellfabric.plies.gap import compression_gap, ply_gap
 
 CSV = "# two plies\npressure [kPa], closure [um]\n0, 0\n100, 40\n2000, 90\n"
@@ -110,3 +111,12 @@ def test_between_two_fabrics_acts_half_of_each_law():
         halves = 0.5 * soft.closure_at(pressure) + 0.5 * stiff.closure_at(pressure)
         assert both.closure_at(pressure) == pytest.approx(halves, rel=1e-12, abs=1e-18)
     assert soft.between(PlyLaw(soft.closure.copy(), soft.pressure.copy(), soft.stiffness)) is soft
+
+
+def test_warp_and_weft_are_packed_with_their_own_moduli():
+    """Of unlike solids: exchanged yarns exchange them."""
+    fabric = assumed.with_solid_laws(catalogue.load("S-726"))
+    warp, weft = fabric.solid_laws
+    unlike = replace(fabric, solid_laws=(replace(warp, E_c=300e6), replace(weft, E_c=500e6)))
+    assert assumed.transverse_moduli(unlike) == (300e6, 500e6)
+    assert assumed.transverse_moduli(rotated_90(unlike)) == (500e6, 300e6)

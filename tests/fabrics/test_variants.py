@@ -1,10 +1,10 @@
 """Every way to change a fabric, by what it keeps and what it changes."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 
-from fabrics import catalogue, variants
+from fabrics import assumed, catalogue, variants
 from fabrics.yarn import WeavingDamage
 from validation.models import variants as comparison
 
@@ -109,6 +109,43 @@ def test_a_right_angle_four_times(fabric):
         pair[::-1] for pair in (fabric.weave.w, fabric.weave.yarns, fabric.laws)
     )
     assert variants.rotated_90(once) == fabric
+
+
+@pytest.mark.parametrize("name", catalogue.list_names())
+def test_a_turned_fabric_has_all_pairs_exchanged(name):
+    """All fields that are of (warp, weft), and the numbers of sources and ranges, which name their family."""
+    known = assumed.with_ranges_of_guesses(assumed.with_solid_laws(catalogue.load(name)))
+    unlike = replace(
+        variants.with_solids(known, E_c=300e6),
+        yarn_width=(1.1e-3, 1.3e-3),
+        yarn_area=(1e-7, 2e-7),
+        ranges={"warp.crimp": (0.5, 2.0), "solid.weft.E_c": (0.8, 1.3), "failure_length": (0.5, 2)},
+        guessed=("shear.G1", "warp.modulus"),
+    )
+    warp, weft = unlike.solid_laws
+    unlike = replace(unlike, solid_laws=(warp, replace(weft, E_c=500e6)))
+    turned = variants.rotated_90(unlike)
+    pairs = 0
+    for entry in fields(unlike):
+        value = getattr(unlike, entry.name)
+        if (
+            isinstance(value, tuple)
+            and len(value) == 2
+            and entry.name not in ("assumed", "guessed")
+        ):
+            assert getattr(turned, entry.name) == value[::-1], entry.name
+            pairs += 1
+    assert pairs >= 3
+    assert turned.weave.yarns == unlike.weave.yarns[::-1]
+    assert turned.ranges == {
+        "weft.crimp": (0.5, 2.0),
+        "solid.warp.E_c": (0.8, 1.3),
+        "failure_length": (0.5, 2),
+    }
+    assert turned.guessed == ("shear.G1", "weft.modulus")
+    assert turned.sources["weft.crimp"] == unlike.sources["warp.crimp"]
+    assert assumed.transverse_moduli(turned) == (500e6, 300e6)
+    assert variants.rotated_90(turned) == unlike
 
 
 def test_laws_that_a_fabric_does_not_have_are_not_scaled(fabric):
