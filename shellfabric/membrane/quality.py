@@ -444,14 +444,13 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
 
     panel = solver.panel
     const = solver.const
-    shot = panel.projectile
     strike = solver.strike_energy
     energies = {name: solver.sample(name) for name in solver.energy_names}
     cut_yarns = solver.sample("cut_yarns")
     absorbed = max(strike - float(energies["kinetic_projectile"][-1]), 1e-3 * strike)
     broken = float(cut_yarns[-1] > 0 and not solver.replaces_membrane)
     depth = max(float(state.max_penetration) for state in solver.states)
-    nose = shot.nose_radius
+    nose = panel.projectile.nose_radius
     bound = panel.time_step / panel.numerics.cfl
     largest = {name: float(np.abs(energy).max()) for name, energy in energies.items()}
     contacts = (solver.contacts.keys() - {"ply_friction"}) & energies.keys()
@@ -465,16 +464,10 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         indicator("formulation energy", largest["formulation_residual"] / absorbed),
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
-        indicator("contact point spacing", max(const.dx, const.dy) / const.points_per_side / nose),
-        indicator("element side", max(panel.spacing) / shot.radius),
-        indicator(
-            "element over failure length",
-            broken * max(panel.spacing) / panel.fabric.failure_length,
-        ),
-        indicator("yarns an element", float(panel.finest)),
+        *worst(_mesh(ply, ply_const, broken) for ply, ply_const, _ in solver.plies),
         *_unzipping(solver, cut_yarns, energies),
         *_path(solver),
-        *_extrapolation(solver),
+        *worst(_extrapolation(ply, state) for ply, _, state in solver.plies),
     ]
     found += solver.part_indicators
     if len(solver.plies) > 1:
@@ -517,19 +510,37 @@ def _path(solver):
     return [indicator("path over fine mesh", max(shares))] if shares else []
 
 
-def _extrapolation(solver):
-    """Indicators of a cell that is used beyond where it is known."""
-    peaks = np.max([state.peak_tension for state in solver.states], axis=0)
-    table = solver.panel.table
+def _mesh(panel, const, broken):
+    """Indicators of the elements of a ply, beside its projectile and its own failure length.
+
+    Parameters
+    ----------
+    broken : 1.0 if a pinned yarn has failed in any ply, else 0.0
+    """
+    shot = panel.projectile
+    spacing = max(const.dx, const.dy) / const.points_per_side
+    longest = max(panel.spacing)
+    return (
+        indicator("contact point spacing", spacing / shot.nose_radius),
+        indicator("element side", longest / shot.radius),
+        indicator("element over failure length", broken * longest / panel.fabric.failure_length),
+        indicator("yarns an element", float(panel.finest)),
+    )
+
+
+def _extrapolation(panel, state):
+    """Indicators of the cell of a ply that is used beyond where it is known."""
+    peaks = state.peak_tension
+    table = panel.table
     found = []
-    if not solver.panel.yarn_failure:
+    if not panel.yarn_failure:
         found.append(
             indicator(
                 "tension over cell table", max(p / table.values[T].max() for p, T in zip(peaks, _T))
             )
         )
     else:  # the step in which a yarn fails may go beyond its strength, and no further
-        peaks = np.minimum(peaks, [yarn.strength for yarn in solver.panel.weave.yarns])
+        peaks = np.minimum(peaks, [yarn.strength for yarn in panel.weave.yarns])
     return (*found, *of_cell(table, peaks))
 
 

@@ -12,7 +12,7 @@ from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.loop import ply_audit
 from shellfabric.loop.pack_solver import PackSolver
-from shellfabric.membrane import edges
+from shellfabric.membrane import edges, quality
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import frame_kernels
 from shellfabric.plies.model import Pack, PlyContact
@@ -138,3 +138,29 @@ def test_energies_of_the_contact_of_plies_add_up_to_its_work():
         "ply_friction": 13.0,
         "ply_collisions": 7.0,
     }
+
+
+def test_checks_of_mesh_and_cell_are_those_of_the_worst_ply():
+    """Each ply beside its own spacing, strength and law, wherever it is in the pack."""
+    panels = []
+    for name, known in zip(NAMES, (3.0, 5.0, 4.0)):
+        fabric = catalogue.load(name)
+        laws = tuple(replace(law, F_range=(0.0, known)) for law in fabric.laws)
+        cell = CellModel(fabric, laws).table(21)
+        panels.append(make_panel(0.02, table=cell, symmetry="whole", numerics=Numerics(threads=1)))
+    alone = {}
+    in_a_pack = []
+    for chosen in (panels[:1], panels[1:2], panels[2:], panels, panels[::-1]):
+        solver = PackSolver(Pack(tuple(chosen), GAPS[: len(chosen) - 1]), 100.0, 1e-6)
+        for panel, _, state in solver.plies:
+            state.peak_tension[:] = [0.7 * yarn.strength for yarn in panel.weave.yarns]
+        found = {one.name: one.value for one in quality.of_solver(solver)}
+        if len(chosen) > 1:
+            in_a_pack.append(found)
+            continue
+        for name, value in found.items():
+            alone.setdefault(name, []).append(value)
+    for name in ("contact point spacing", "element side", "contact force over fitted range"):
+        assert len(set(alone[name])) == 3
+        for found in in_a_pack:
+            assert found[name] == pytest.approx(max(alone[name])), name
