@@ -18,6 +18,15 @@ class Case:
     array: np.ndarray = None
 
 
+@dataclass(frozen=True)
+class Other:
+    """Another thing with the same fields."""
+
+    name: str
+    value: float
+    array: np.ndarray = None
+
+
 def test_equal_inputs_have_one_digest_and_others_another():
     long = np.arange(5000.0)  # numpy prints the ends of such an array alone
     other = long.copy()
@@ -43,6 +52,8 @@ def test_equal_inputs_have_one_digest_and_others_another():
         long.astype(np.float32),
         long.reshape(2, -1),
         Case("a", 1.0),
+        Other("a", 1.0),
+        ("a", 1.0, None),
         Case("b", 1.0),
         Case("a", 1.0, long),
         Case("a", 1.0, other),

@@ -11,7 +11,8 @@ from panels import BLOCK, COARSER
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.block import contact_kernels
-from shellfabric.block.coupling import BackingCoupling, radius_at, wall_angle
+from shellfabric.block.block import Backing
+from shellfabric.block.coupling import BackingCoupling, radius_at, result_of, wall_angle
 from shellfabric.impact.result import collect_result
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import UNFAILING, ImpactSetup
@@ -171,6 +172,21 @@ def test_measures_of_a_crater():
     cone = np.stack([radius, np.maximum(0.01 - 2 * radius, 0)], axis=1)
     assert radius_at(cone, 0.5) == pytest.approx(2.5e-3)
     assert wall_angle(cone) == pytest.approx(np.arctan(2))
+
+
+@pytest.mark.parametrize("mirrors", [(True, True), (False, True), (False, False)])
+def test_a_crater_along_each_yarn_is_the_line_of_the_face_along_it(mirrors):
+    """Of a block whose sides differ, pressed in by unlike amounts along x and y."""
+    size = (0.08, 0.06, 0.03)
+    backing = Backing(BACKING, size, 5e-3, 10e-3, 1.0, mirrors=mirrors)
+    block = backing.block(1e-8)
+    x, y, _ = block.rest.T
+    top = block.nodes[:, :, 0]
+    block.x[top, 2] += 5e-3 * np.exp(-((x[top] / 0.02) ** 2) - (y[top] / 0.01) ** 2)
+    found = result_of(block)
+    for line, half, scale in ((found.crater, 0.04, 0.02), (found.crater_weft, 0.03, 0.01)):
+        assert line[-1, 0] == pytest.approx(half)
+        assert line[:, 1] == pytest.approx(5e-3 * np.exp(-((line[:, 0] / scale) ** 2)), abs=1e-6)
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0, float("nan")])

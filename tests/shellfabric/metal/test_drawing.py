@@ -1,12 +1,15 @@
 """Drawings of bodies of metal: meshes of layers, their masses, and what is refused."""
 
 from math import pi
+from types import SimpleNamespace as Given
 
 import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError
 from fabrics.metals import Metal
+from shellfabric.metal.body import MetalBody, make_row
+from shellfabric.projectile.dynamics import BAR
 from shellfabric.projectile.turned import Turned
 
 HEAVY = Metal(11000.0, 16e9, 0.44)
@@ -140,3 +143,26 @@ REFUSED = {
 def test_what_makes_no_body_is_refused(key):
     with pytest.raises(InputError, match=key):
         draw("ogive", **REFUSED[key])
+
+
+def test_core_and_jacket_have_their_own_laws_and_the_factor_of_the_mass():
+    """A body of 1.04 times the mass that is drawn: both metals are so much denser, and their waves slower."""
+    drawn = draw("ogive").drawn_mass
+    body = draw("ogive", mass=1.04 * drawn)
+    row = make_row(body)
+    assert row.mass.sum() == pytest.approx(1.04 * drawn, rel=1e-12)
+    for law, metal in ((row.core, HEAVY), (row.jacket, LIGHT)):
+        assert law.density == pytest.approx(1.04 * metal.density)
+        assert law.wave_speed == pytest.approx(metal.wave_speed / 1.04**0.5)
+
+
+@pytest.mark.parametrize("core, jacket", [(0.7, 0.2), (0.3, 0.9)])
+def test_the_strains_of_core_and_jacket_are_those_of_their_own_elements(core, jacket):
+    drawing = draw("ogive")
+    shot = Given(turned=drawing, nose=Given(_replace=lambda **_: None))
+    body = MetalBody(shot, 0.25, 100.0, 1)
+    body.row.alpha[drawing.jacketed] = np.linspace(0, jacket, drawing.jacketed.sum())
+    body.row.alpha[~drawing.jacketed] = np.linspace(0, core, (~drawing.jacketed).sum())
+    found = body.result(np.zeros(1), np.zeros((1, len(BAR))))["metal"]
+    assert (found.core_strain, found.jacket_strain) == pytest.approx((core, jacket))
+    assert found.plastic[drawing.jacketed].max() == pytest.approx(jacket)

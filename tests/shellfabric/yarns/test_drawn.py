@@ -8,11 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.spatial import cKDTree
 
 from fabrics import catalogue
 from shellfabric.impact.run import run_impact
-from shellfabric.impact.setup import ImpactSetup
-from shellfabric.loop.snapshots import quads
+from shellfabric.impact.setup import ImpactSetup, Ply
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.loop.snapshots import of_plies, quads
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns import drawn
 from shellfabric.yarns.model import YarnZone, aim
@@ -92,6 +94,33 @@ def test_yarns_at_rest_stand_for_the_elements_that_they_cover(width):
     assert yarns == sum(crossing)
     nodes = [count * (2 * other - 1) for count, other in zip(crossing, crossing[::-1])]
     assert len(tension) == sum(nodes)
+
+
+def test_each_ply_of_a_pack_is_drawn_where_its_own_yarns_are():
+    """Plies of two fabrics, one turned: about the nodes of each chain, at the place of the ply, as wide as a yarn of
+    the family and half as high as the ply."""
+    plies = (Ply(FABRIC), Ply(catalogue.load("S-728"), angle=0.5 * np.pi), Ply(FABRIC))
+    setup = replace(SETUP, plies=3, lay_up=plies, snapshot_interval=None)
+    pack = setup.target()
+    solver = PackSolver(pack, 250.0, 1e-6)
+    zones = [part.zone for parts in solver.parts for part in parts if part.name == "yarns"]
+    shots = of_plies(solver)
+    widths = set()
+    for panel, zone, shot, place in zip(pack.plies, zones, shots, pack.places):
+        assert_allclose(shot.nodes[..., 2], place, atol=1e-12)
+        nodes = panel.in_pack(zone.x.T.copy())
+        nodes[:, 2] += place
+        apart, _ = cKDTree(nodes).query(shot.yarn_surface.mean(axis=1))
+        assert apart.max() < 1e-7
+        across = np.linalg.norm(shot.yarn_surface[:, 0] - shot.yarn_surface[:, 3], axis=-1)
+        up = np.linalg.norm(shot.yarn_surface[:, 1] - shot.yarn_surface[:, 5], axis=-1)
+        for family in range(2):
+            own = shot.yarn_family == family
+            assert_allclose(across[own], zone.touch_distance[family], rtol=1e-5)
+            widths.add(round(float(zone.touch_distance[family]), 9))
+        assert_allclose(up, np.sin(np.pi / 3) * 0.5 * panel.weave.thickness, rtol=1e-4)
+    assert len(widths) == 4
+    assert np.diff(pack.places).min() > 1e-4
 
 
 def test_a_torn_yarn_has_a_gap_and_every_instant_the_same_cells(struck):

@@ -9,8 +9,8 @@ import fabrics
 import weavecell as wc
 from fabrics import references
 from fabrics.base.files import read_data
-from weavecell.api.citations import join_numbers
-from weavecell.results.sources import Source
+from weavecell.api.citations import _materials, join_numbers
+from weavecell.results.sources import Source, list_sources
 
 DATA = Path(fabrics.__file__).parent
 # a name with a year, or another form of a publication
@@ -104,6 +104,35 @@ def test_a_folder_cites_what_its_input_file_does(run):
     assert {("sheet", "warp.linear_density"), ("projectile FSP 1.10 g", "mass")} <= set(
         of_folder.to_dataframe().index
     )
+
+
+@pytest.mark.parametrize(
+    "scene, of",
+    [
+        ('[projectile]\nname = "FSP 1.10 g"', "projectile FSP 1.10 g"),
+        ('[projectile]\ncore = "lead"', "lead"),
+        ('[projectile]\njacket = "OFHC copper"', "OFHC copper"),
+        ("[panel]\nplies = 2", "pack"),
+        ('[[panel.ply]]\nname = "S-726"\n[[panel.ply]]\nname = "S-728"', "pack"),
+        ('[panel]\ncrossovers = "yarns"', "resolved yarns"),
+        ('[panel]\ncrossovers = "auto"', "resolved yarns"),
+        ('[backing]\nmodulus = "1 MPa"', "block of the thesis"),
+        ('[backing]\nmaterial = "Roma Plastilina No. 1"', "Roma Plastilina No. 1"),
+    ],
+)
+def test_what_an_input_file_names_is_cited_and_nothing_else(scene, of):
+    found = list_sources((), (), scene)
+    assert {source.of for source in found} == {of}
+    assert all(source.status for source in found)
+
+
+def test_a_hybrid_pack_cites_the_laws_of_all_its_plies(tmp_path):
+    plies = '[[panel.ply]]\nname = "S-726"\n[[panel.ply]]\nname = "S-728"\n[run]'
+    text = SHOT.replace('file = "sheet.toml"', 'name = "S-726"').replace("[run]", plies)
+    (tmp_path / "hybrid.toml").write_text(text)
+    fabrics_of_it, laws, _ = _materials(str(tmp_path / "hybrid.toml"))
+    assert [fabric.name for fabric in fabrics_of_it] == ["S-726", "S-728"]
+    assert list(laws) == [law for fabric in fabrics_of_it for law in fabric.laws]
 
 
 def test_publications_are_entries_and_assumptions_are_comments(run):

@@ -144,6 +144,12 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
         *(["mirror_x"] if share < 1 else []),
         *(["mirror_y"] if share == 0.25 else []),
     }
+    # all nodes on a plane of symmetry but those in the clamp, and no other
+    loose = np.setdiff1d(np.arange(len(ply.points)) + 1, held["clamped"])
+    for axis, name in enumerate(("mirror_x", "mirror_y")):
+        if name in held:
+            on_plane = abs(ply.points[loose - 1, axis]) < 1e-9
+            assert_array_equal(held[name], loose[on_plane])
     sides = ply.points[ply.quads[:, [1, 3]] - 1] - ply.points[ply.quads[:, [0]] - 1]
     spacing = sides[0, 0, 0]
     assert sides[:, 0] == pytest.approx(np.tile([spacing, 0, 0], (len(sides), 1)), abs=1e-12)

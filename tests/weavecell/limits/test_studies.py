@@ -8,6 +8,7 @@ from types import SimpleNamespace as Given
 import pytest
 
 import weavecell as wc
+from shellfabric.membrane import quality
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, page_of, rows_of, table_of
@@ -43,14 +44,20 @@ def test_a_row_of_mixed_outcomes_has_the_zone_and_no_velocity(monkeypatch):
     assert row["critical_velocity_m_s"] == 100.5
 
 
+def energy(velocity):
+    """An energy error that grows with the strike velocity [m/s]."""
+    return quality.indicator("energy error", 1e-3 * velocity)
+
+
 def test_a_row_of_a_pack_is_its_v50_with_the_interval_and_of_few_perforations_the_bracket(
     monkeypatch,
 ):
     """Outcomes of a pack may mix: V50 stands for them, by the same shots as its own command."""
     asked = []
     left = {95.0: 0.0, 100.0: 31.0, 103.0: 0.0, 106.0: 47.0, 109.0: 60.0, 113.0: 71.0}
+    # the fastest, at no end of the bracket, is the worst
     fired = [
-        Shot(v, r, "perforated" if r else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.1)
+        Shot(v, r, "perforated" if r else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.1, (energy(v),))
         for v, r in left.items()
     ]
 
@@ -70,6 +77,7 @@ def test_a_row_of_a_pack_is_its_v50_with_the_interval_and_of_few_perforations_th
     )
     assert row["spread_m_s"] == found.spread
     assert row["shots"] == 6
+    assert row["checks"].startswith("doubtful: energy error 0.113")
     del fired[3:]
     row = analysis.critical_velocity(Given(plies=3))
     assert row["outcome"] == analysis.MIXED

@@ -2,7 +2,7 @@
 place of a report."""
 
 import re
-from html import unescape
+from html import escape, unescape
 
 import pytest
 
@@ -55,6 +55,17 @@ def test_every_word_is_explained_in_every_place_of_a_report(place):
         assert html.count('href="#words"') == html.count('id="words"') == 1
         listed = re.findall(r"<dt>(.*?)</dt>", html)
         assert word in listed
+
+
+def test_a_word_is_explained_once_in_each_section():
+    """In the section that a reader has opened, not in all its places."""
+    sections = []
+    for name in ("one", "two", "three"):
+        table = Table(("V50 of A", "V50"), (("V50", "1"),), "V50 and V50")
+        sections.append(Section(name, name, "V50, then V50", (), (table,)))
+    html = render(Report("A", "B", (), tuple(sections)))
+    means = glossary.words()["V50"]
+    assert html.count(f'<abbr title="{escape(means)}">V50</abbr>') == len(sections)
 
 
 def test_a_page_without_such_words_has_no_list():

@@ -13,6 +13,7 @@ from shellfabric.impact.run import run_impact
 from weavecell.api import limits
 from weavecell.api.scatter import V50Result
 from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact_shapes import Cut
 from weavecell.studies import laboratory_tests, sweep, v50, window
 from weavecell.studies import limit as limit_study
 from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot
@@ -266,6 +267,21 @@ def test_peaks_of_warp_and_weft_may_be_in_other_plies():
         [7, 8],
         2,
     )
+
+
+def test_the_cone_of_a_pack_is_that_of_its_last_ply():
+    """Straight sides that meet the flat fabric at other places in each ply, at each instant."""
+    x = np.linspace(-0.03, 0.05, 161)
+    rest = np.array([0.0, 4e-4, 9e-4])
+    feet = np.array([[21e-3, 17e-3, 13e-3], [33e-3, 27e-3, 22e-3]])
+    cuts = []
+    for number, of_plies in enumerate(feet, 1):
+        heights = (np.maximum(0.0, 5e-3 * (1 - abs(x) / foot)) for foot in of_plies)
+        lines = tuple(np.column_stack([x, z + place]) for z, place in zip(heights, rest))
+        cuts.append(Cut(number * 1e-5, 0.0, lines))
+    record = Given(cuts=tuple(cuts), z_rest=rest)
+    assert ImpactRecord.cone_radius.fget(record) == pytest.approx(feet[:, -1], rel=0.01)
+    assert ImpactRecord.cut_times.fget(record) == pytest.approx([1e-5, 2e-5])
 
 
 def test_columns_of_a_shot_are_its_histories(shot):

@@ -16,11 +16,13 @@ from fabrics import assumed, catalogue, data_sheet
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.families import list_families, trellis
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.api.target import resolve_fabric
 from weavecell.scenes import build, impact
-from weavecell.studies import assumed_range
+from weavecell.studies import assumed_range, ballistic_limit
 from weavecell.studies.assumed_range import AssumedRange, Row
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -233,17 +235,56 @@ def test_what_a_set_up_assumes_follows_from_it(clamped_pack):
     assert list(found) == [*usual, "friction between plies", "clamp force", PACKED]
 
 
-@pytest.mark.parametrize(
-    "name, read, ends",
-    [
-        (PACKED, lambda setup: setup.packed_area, [0.3, 0.7]),
-        ("friction between plies", lambda setup: setup.ply_friction, [0.15, 0.25]),
-        ("clamp force", lambda setup: setup.boundary[0].force, [10.0, 40.0]),
-    ],
-)
-def test_an_end_of_a_range_changes_its_own_number(clamped_pack, name, read, ends):
-    found = assumed_range.changes(clamped_pack)[name]
-    assert [read(end(clamped_pack)) for end in found.values()] == ends
+# what is assumed: how a set-up has it, and the ends that it has not
+READ = {
+    "failure length": (lambda setup: setup.fabric.failure_length, (0.375e-3, 1.5e-3)),
+    "strength after weaving": (
+        lambda setup: (
+            setup.fabric.weave.weft.strength / resolve_fabric("S-720").weave.weft.strength
+        ),
+        (0.88,),
+    ),
+    "friction of the projectile": (lambda setup: setup.projectile.friction, (0.2,)),
+    "friction between plies": (lambda setup: setup.ply_friction, (0.15, 0.25)),
+    "clamp force": (lambda setup: setup.boundary[0].force, (10.0, 40.0)),
+    "friction of crossovers": (lambda setup: setup.crossovers.friction, (0.1, 0.3)),
+    "lateral stiffness of yarns": (lambda setup: setup.crossovers.lateral, (0.5, 2.0)),
+    PACKED: (lambda setup: setup.packed_area, (0.3, 0.7)),
+}
+
+
+def test_an_end_of_a_range_changes_its_own_number_and_no_other(clamped_pack):
+    """All that a set-up assumes, both ends of each."""
+    zone = YarnZone()
+    base = replace(clamped_pack, crossovers=zone)
+    found = assumed_range.changes(base)
+    assert set(found) == set(READ)
+    before = {name: read(base) for name, (read, _) in READ.items()}
+    for name, ends in found.items():
+        read, wanted = READ[name]
+        after = [change(base) for change in ends.values()]
+        assert [read(one) for one in after] == pytest.approx(list(wanted)), name
+        for other in READ.keys() - {name}:
+            kept = [READ[other][0](one) for one in after]
+            assert kept == pytest.approx([before[other]] * len(ends)), f"{name} changes {other}"
+
+
+def test_each_end_of_a_range_has_shots_of_its_own(clamped_pack, monkeypatch, tmp_path):
+    """A search that is repeated at an end finds no shot of another, in one folder."""
+    shot = ballistic_limit.Shot(90.0, 0.0, "stopped", 1e-4, 0.0, (1.0, 2.0), 0.0, 0.1)
+    searched = []
+
+    def search(target, *, kept, **_):
+        assert kept.of(90.0, 0.0) is None
+        kept.keep(shot, 90.0, 0.0)
+        searched.append(target)
+        return ballistic_limit.Limit(90.0, 91.0 + len(searched), (shot,))
+
+    monkeypatch.setattr(ballistic_limit, "critical_velocity", search)
+    monkeypatch.setattr(ImpactSetup, "target", lambda setup: setup)
+    found = assumed_range.critical_velocity(clamped_pack, 90.5, folder=tmp_path)
+    ends = sum(map(len, assumed_range.changes(clamped_pack).values()))
+    assert len(searched) == len(found.rows) - 1 >= ends
 
 
 def test_the_low_end_of_the_strength_after_weaving_weakens_the_yarns(clamped_pack):
@@ -465,6 +506,18 @@ def test_a_family_stands_in_for_the_numbers_of_shots():
     ends = assumed_range.changes(shot)[name]
     weaker = ends["strength after weaving 0.5"](shot).fabric.weave.warp.failure_strain
     assert weaker / shot.fabric.weave.warp.failure_strain == pytest.approx(0.5 / 0.8)
+
+
+def test_the_friction_of_a_hybrid_pack_is_of_its_first_fabric_in_the_range_of_all():
+    """Of yarns, and of what shots take."""
+    aramid = catalogue.load("S-720")
+    glass = catalogue.load("glass-balanced")
+    plies = data_sheet.FRICTION_BETWEEN_PLIES
+    usual = replace(assumed.shot_entries(aramid)[plies], value=0.21, low=0.19, high=0.23)
+    of_glass = assumed.shot_entries(glass)[plies]
+    for fabrics, value in (((aramid, glass), 0.21), ((glass, aramid), of_glass.value)):
+        found = assumed.friction_of_yarns(usual, *fabrics)
+        assert (found.value, found.low, found.high) == (value, 0.1, 0.45)
 
 
 def test_the_failure_length_is_at_most_one_spacing():

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from types import SimpleNamespace as Given
 
 import numpy as np
 import pytest
@@ -53,6 +54,54 @@ def test_every_model_is_struck_where_it_is_aimed_at(model, mesh):
         assert one.z[-1] == pytest.approx(60.0 * duration, rel=0.1)
         assert 0.0 <= one.energy_error < 1e-3
         assert one.cpu > 0
+
+
+@pytest.mark.parametrize("place, off", [("gap", 0.5), ("crossover", 0.0)])
+def test_a_place_is_the_same_one_in_every_model(place, off, mesh, monkeypatch):
+    """The nose stands `off` spacings from the nearest warp and from the nearest weft."""
+    struck = {}
+
+    class Noted(Exception):
+        pass
+
+    def note(target, *_, **__):
+        struck[type(target).__name__] = target
+        raise Noted
+
+    monkeypatch.setattr(small_patch, "run_impact", note)
+    monkeypatch.setattr(small_patch, "SolidSolver", note)
+    one = SmallPatch(SHOT, 12, place)
+    for strike in (one.strike_yarns, lambda: one.strike_solids(mesh)):
+        with pytest.raises(Noted):
+            strike()
+    spacing = 2 * np.array(SHOT.fabric.weave.w)
+    solids = struck["SolidPatch"]
+    families = np.array(solids.mesh.families)
+    # axes of warps are places along the weft
+    for family, aim in ((1, solids.aim[0]), (0, solids.aim[1])):
+        axes = solids.mesh.axes[families == family]
+        assert abs(axes - aim).min() == pytest.approx(off * spacing[1 - family], abs=1e-9)
+    panel = struck["ImpactSetup"].panel(struck["ImpactSetup"].plain_table())
+    for lines, side in zip(panel.lines(), spacing):
+        assert abs(lines).min() == pytest.approx(off * side, abs=1e-9)
+
+
+def test_all_times_count_from_the_first_touch(monkeypatch):
+    """Of a run whose nose touches after 3 us, and whose first yarn fails 6 us later."""
+    t = np.linspace(0.0, 20e-6, 41)
+    force = np.where(t > 3.1e-6, 5.0, 0.0)
+    history = np.column_stack([t, 60.0 * t, np.full(t.size, 59.0), force])
+    ran = Given(
+        step_history=history,
+        time=t[::2],
+        cut_yarns=np.where(t[::2] > 8.9e-6, 2.0, 0.0),
+        energy_error_max=1e-4,
+    )
+    monkeypatch.setattr(small_patch, "run_impact", lambda *_, **__: ran)
+    found = SmallPatch(SHOT, 12, duration=10e-6).strike_yarns()
+    assert found.t[[0, -1]] == pytest.approx([0.0, 10e-6], abs=0.6e-6)
+    assert found.z[[0, -1]] == pytest.approx([0.0, 60.0 * 10e-6], abs=40e-6)
+    assert found.first_failure == pytest.approx(6e-6)
 
 
 @pytest.mark.parametrize("radius", [0.6e-3, 1.5e-3, 2.78e-3, 4.4e-3])
