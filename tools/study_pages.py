@@ -103,7 +103,8 @@ def draw(name):
     )  # to set "linear" would drop the names on an axis
     axes.grid(alpha=0.3)
     if 0 < len(axes.get_legend_handles_labels()[1]) <= NAMED:
-        axes.legend(fontsize=8)
+        # a number in a legend says nothing without the name of its column
+        axes.legend(fontsize=8, title=", ".join(by), title_fontsize=8)
     return figure
 
 
