@@ -159,7 +159,8 @@ class SolidSolver(ExplicitSolver):
         kept = self.row.kept()
         fixed = {name: value for name, value in self.row.nested().items() if name not in kept}
         numerics = self.patch.numerics
-        return (self.strike_velocity, self.interval, numerics, fixed), __name__
+        # the aim is where the nose begins, of which a checkpoint has how far it has come
+        return (self.strike_velocity, self.interval, self.patch.aim, numerics, fixed), __name__
 
     def checkpoint_arrays(self) -> dict[str, Any]:
         """Return the arrays of the state."""

@@ -21,9 +21,15 @@ def disc(x, y):
     return np.hypot(x, y) < 0.0071
 
 
-@pytest.fixture(params=["bias", "cross", "fine"])
+@pytest.fixture(params=["bias", "cross", "fine", "unlike"])
 def coupon(request, table):
-    """A disc cut on the bias; a cross whose arms have lost their cross yarns; a disc of two elements a crossover."""
+    """A disc cut on the bias; a cross whose arms have lost their cross yarns; a disc of two elements a crossover; one
+    whose warp and weft have unlike spacings."""
+    if request.param == "unlike":
+        weave = table.model.fabric.weave
+        weave = replace(weave, weft_count=0.7 * weave.weft_count)
+        model = replace(table.model, fabric=replace(table.model.fabric, weave=weave))
+        return mesh_coupon(model.table(61), disc, 0.0071, angle=0.3)
     if request.param == "bias":
         return mesh_coupon(table, disc, 0.0071, angle=np.pi / 4)
     if request.param == "fine":

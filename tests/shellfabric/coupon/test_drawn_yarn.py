@@ -66,6 +66,21 @@ def test_the_load_falls_as_the_tail_leaves_the_crossovers(table):
         assert found.load[sample] == pytest.approx(threshold * (n - left), rel=1e-6)
 
 
+def test_no_yarn_is_lost_as_its_end_leaves_crossovers(table):
+    """Under a load of up to two thirds of the strength: the end leaves a crossover when the crosshead has all of the
+    yarn but the pieces ahead, stretched by the friction behind each."""
+    n = 8
+    warp = table.model.fabric.weave.warp
+    threshold = warp.strength / 12
+    coupon = PullOut(table, n, mu=0.0, cohesion=threshold)
+    found = follow(coupon, 9 * coupon.spacing, samples=9000)
+    for gone in range(1, n):
+        at = found.displacement[np.argmax(found.left == gone)]
+        pieces = 1 / (1 + threshold * np.arange(1, n - gone + 2) / warp.EA)
+        wanted = n + 0.5 - pieces.sum()
+        assert at / coupon.spacing == pytest.approx(wanted, abs=2e-3), gone
+
+
 @pytest.mark.parametrize("mu", [0.1, 0.2])
 def test_each_crossover_adds_its_cohesion_and_mu_times_the_contact_force_of_its_cell(crimped, mu):
     """From crossover to crossover T' = T + c0 + mu F_c, F_c of the cell at the mean stretch of the two segments."""

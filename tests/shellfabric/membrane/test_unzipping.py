@@ -1,6 +1,7 @@
 """The check of pinned yarns that unzip: what crossings carry, and shots that do and that do not."""
 
 from dataclasses import replace
+from types import SimpleNamespace as Given
 
 import numpy as np
 import pytest
@@ -103,3 +104,26 @@ def test_a_node_hands_over_half_of_the_difference_of_the_pulls():
         assert slipping_crossings(panel, const, state)[0] == slips, jump
     by_node(state.intact_fraction[0], const)[middle] = 0.0
     assert slipping_crossings(panel, const, state)[1] == loaded - 2
+
+
+@pytest.mark.parametrize("speaks", [0, 1, 2])
+def test_each_ply_of_a_pack_is_judged_by_what_lies_under_its_own_nose(monkeypatch, speaks):
+    """Its cut yarns over those under the nose there, if it would slip."""
+    under = {"a": 4.0, "b": 10.0, "c": 7.0}
+    monkeypatch.setattr(quality.unzipping, "yarns_under_the_nose", under.__getitem__)
+    slipping = np.zeros(3)
+    slipping[speaks] = 0.9
+    solver = Given(
+        replaces_membrane=False,
+        panel=Given(friction_between_yarns=0.2),
+        pack=Given(plies=("a", "b", "c")),
+        monitor=Given(slipping=slipping),
+        ply_sample=lambda name: np.array([[0.0, 0.0, 0.0], [20.0, 22.0, 33.0]]),
+    )
+    energies = {
+        "kinetic_projectile": np.array([9.0, 7.0, 1.0]),
+        "viscous": np.array([0.0, 0.1, 5.0]),
+    }
+    (found,) = quality._unzipping(solver, np.array([0.0, 0.0, 75.0]), energies)
+    assert found.value == pytest.approx([20 / 4, 22 / 10, 33 / 7][speaks])
+    assert "cut over struck yarns 5.0" in found.meaning

@@ -8,8 +8,10 @@ import pytest
 pytest.importorskip("gmsh")
 
 from fabrics import catalogue
+from fabrics.base import run_cache
 from fabrics.base.errors import InputError
 from shellfabric.loop import checkpoint
+from shellfabric.solids.numerics import SolidNumerics
 from shellfabric.solids.strike import strike
 from tests.shellfabric.solids.solid_patches import SHOT, struck, woven
 
@@ -88,6 +90,27 @@ def test_a_resumed_run_goes_on_bit_for_bit(mesh, tmp_path):
     assert np.array_equal(second.samples, whole.samples)
     for name in whole.row.kept():
         assert np.array_equal(vars(second.row)[name], vars(whole.row)[name]), name
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"velocity": 61.0},
+        {"interval": 0.2e-6},
+        {"friction": 0.21},
+        {"failure": True},
+        {"aim": (1e-4, 0.0)},
+        {"numerics": SolidNumerics(cfl=0.4)},
+        {"numerics": SolidNumerics(hourglass=0.06)},
+    ],
+    ids=str,
+)
+def test_what_steps_and_samples_follow_from_tells_one_run_from_another(mesh, changes):
+    one, other = (
+        run_cache.inputs_digest(struck(mesh, **given).checkpoint_identity()[0])
+        for given in ({}, changes)
+    )
+    assert one != other
 
 
 def test_fibres_that_fail_are_booked(mesh):

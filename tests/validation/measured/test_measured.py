@@ -1,7 +1,9 @@
 """Rows of what was measured, their statistics, and their coarse runs: as stored but for 2 % that round-off may do."""
 
-from math import exp, sqrt
+from math import exp, hypot, sqrt
+from types import SimpleNamespace as Given
 
+import numpy as np
 import pytest
 
 from validation import study
@@ -27,6 +29,70 @@ def test_bias_and_scatter_of_two_rows_and_of_one():
         str(statistics.of([2.0], [3.0], [0.2]))
         == "Statistics(bias=1.5, sigma_model=nan, sigma_test=0.1)"
     )
+
+
+SHOT = Given(
+    outcome="stopped",
+    energy_error_max=3e-4,
+    plies={
+        "pull_in": np.array([[1e-3, 2e-3], [4e-3, 3e-3]]),
+        "cut_yarns": np.array([[0.0, 0.0, 9.0], [5.0, 0.0, 2.0]]),
+    },
+)
+STRUCK = Given(
+    z=np.array([0.0, 0.021, 0.017]),
+    block=Given(back_face_signature=0.013),
+    energies={"error": np.array([0.0, 0.2]), "projectile": np.array([50.0, 40.0])},
+)
+BAR = Given(length=0.031, width=0.009, energy_error=2e-4)
+V50 = {"v50_m_s": 240.0, "v50_low_m_s": 230.0, "v50_high_m_s": 251.0, "energy_error_max": 1e-3}
+# of a measure: (value, standard error, error of energy)
+COMPUTED = {
+    "outcome": ("stopped", 0.0, 3e-4),
+    "slip": (4.0, 0.0, 3e-4),
+    "torn_plies": (2.0, 0.0, 3e-4),
+    "depth": (21.0, 0.0, 4e-3),
+    "dent": (13.0, 0.0, 4e-3),
+    "bar_length": (31.0, 0.0, 2e-4),
+    "bar_width": (9.0, 0.0, 2e-4),
+    "limit": (300.0, hypot(5.0, 0.02 * 300.0), 7e-4),
+    "growth": (1.5, 1.5 * hypot(hypot(5.0, 6.0) / 300, hypot(3.0, 4.0) / 200), 9e-4),
+    "v50": (240.0, 21.0 / (2 * 1.96), 1e-3),
+    "areal_density": (211.0, 0.0, 0.0),
+    "thickness": (0.34, 0.0, 0.0),
+    "closure_below": (37.0, 0.0, 0.0),
+    "closure_above": (19.0, 0.0, 0.0),
+}
+
+
+def test_each_measure_is_what_its_name_says(monkeypatch):
+    """Of made-up results in SI units, no two numbers of which are alike."""
+    weave = Given(areal_density=0.211, thickness=0.34e-3)
+    monkeypatch.setattr(rows, "_strike", lambda case: STRUCK)
+    monkeypatch.setattr(rows, "_taylor", lambda case: BAR)
+    monkeypatch.setattr(rows, "_closure", lambda case, fabric: [37.0, 19.0])
+    monkeypatch.setattr(rows.wc, "impact", lambda setup: SHOT)
+    monkeypatch.setattr(rows.wc, "v50", lambda setup, **_: Given(summary=lambda: V50))
+    monkeypatch.setattr(rows.wc, "fabric", lambda *_, **__: Given(weave=weave))
+
+    def search(target, **_):
+        if target == 2:
+            return Given(velocity=200.0, half_width=3.0, shots=(Given(balance=9e-4),))
+        shots = (Given(balance=7e-4), Given(balance=1e-4))
+        return Given(velocity=300.0, half_width=5.0, shots=shots)
+
+    monkeypatch.setattr(rows.ballistic_limit, "critical_velocity", search)
+
+    def setup(**changes):
+        plies = changes.get("panel.plies", 8)
+        return Given(target=lambda: plies, strike_velocity=290.0)
+
+    table = {"fabric": {"name": "S-720", "linear_density": "nominal"}}
+    for measure, wanted in COMPUTED.items():
+        case = Given(measure=measure, options={}, scene=table, setup=setup)
+        assert rows.compute(case) == pytest.approx(wanted), measure
+    named = {row.case.measure for row in rows.read() if row.case}
+    assert named <= set(COMPUTED)
 
 
 @pytest.mark.slow(180)

@@ -400,3 +400,27 @@ def test_friction_and_nose_of_a_deck_are_those_of_the_shot(unlike):
         for flight in flights:
             velocity = [float(flight[name]) for name in ("Vx", "Vy", "Vz")]
             assert velocity == pytest.approx([0, 0, 100])
+
+
+@pytest.mark.parametrize("to", folder.CODES)
+@pytest.mark.parametrize("symmetry", ["quarter", "half"])
+def test_what_a_plane_of_symmetry_holds_follows_from_its_normal(to, symmetry):
+    """Displacements along the normal, and rotations about the two other axes; of the nose, which does not turn, the
+    displacements alone."""
+    made = deck("S-720", to, symmetry=symmetry)
+    content = next(iter(text(made, to).values()))
+    names = list(made.list_held_nodes())
+    held = {"clamped": "111 111", "mirror_x": "100 011", "mirror_y": "010 101"}
+    wanted = [held[name] for name in names]
+    of_nose = {"half": "100", "quarter": "110"}[symmetry]
+    if to == "lsdyna":
+        cards = lines_below(content, "*BOUNDARY_SPC_SET", "$#")
+        axes = ("DOFX", "DOFY", "DOFZ", "DOFRX", "DOFRY", "DOFRZ")
+        found = ["".join(card[axis] for axis in axes) for card in cards]
+        assert found == [code.replace(" ", "") for code in wanted]
+        (rigid,) = lines_below(content, "*MAT_RIGID_TITLE", "$#")
+        # of the manual: 1 holds x, 2 y, 4 both
+        assert rigid["CON1"] == {"100": "1", "110": "4"}[of_nose]
+    else:
+        cards = lines_below(content, "/BCS", "#")
+        assert [card["Tra_rot"] for card in cards] == [*wanted, f"{of_nose} 111"]

@@ -120,3 +120,18 @@ def test_a_short_blow_is_no_pressure():
     history[:, 3] *= np.abs(history[:, 0] - 5e-5) < 2e-7
     struck = SimpleNamespace(setup=shot.setup, outcome="stopped", step_history=history)
     assert check_shot(struck) is None
+
+
+def test_each_rule_takes_the_mean_over_its_own_time():
+    """A blow of half a period of the bar, which is a half of its height over a whole one."""
+    bar = Projectile().steel_bar()
+    shot = Shot(Projectile(), 200e6)
+    t = np.arange(1, 4001) * bar.period / 400
+    blow = 1000.0 * ((t > bar.period) & (t < 1.5 * bar.period))
+    history = np.column_stack([t, 0 * t, 0 * t, -blow])
+    found = check_shot(SimpleNamespace(setup=shot.setup, step_history=history, outcome="stopped"))
+    assert found.period == pytest.approx(bar.period)
+    assert found.force == pytest.approx(1000.0, rel=0.02)
+    assert found.yield_force == pytest.approx(bar.yield_force)
+    # the impulse over the mean of a whole period
+    assert found.contact_time == pytest.approx(bar.period, rel=0.02)
