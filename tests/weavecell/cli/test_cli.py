@@ -11,6 +11,7 @@ import typer
 
 import weavecell
 from fabrics import backings, catalogue, metals, projectiles
+from fabrics.base.errors import InputError
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.cli import app, from_signature
@@ -45,6 +46,39 @@ def test_help_has_an_example_and_keeps_its_brackets(command, monkeypatch):
                     assert f"[{inside}]" in shown, f"{' '.join(words)}: [{inside}]"
                     found += 1
     assert found >= 6
+
+
+@pytest.mark.parametrize("option, least", [("seed", 0), ("jobs", 1)])
+def test_a_command_takes_the_numbers_that_its_function_takes(command, option, least):
+    """The least one, and none below; nothing is run."""
+    options = {"shots": 4, "check": True}
+    weavecell.v50("S-720", **{option: least}, **options)
+    assert command("v50", "S-720", "--check", "--shots", "4", f"--{option}", str(least))[0] == 0
+    assert command("v50", "S-720", "--check", "--shots", "4", f"--{option}", str(least - 1))[0] == 2
+    with pytest.raises(InputError, match=option):
+        weavecell.v50("S-720", **{option: least - 1}, **options)
+
+
+@pytest.mark.parametrize(
+    "name, given, folder",
+    [
+        ("impact", {"target": "scenes/shot.toml"}, "shot"),
+        ("coupon", {"target": "frame.toml"}, "frame"),
+        ("v50", {"target": "scenes/shot.toml"}, "v50-shot"),
+        ("critical-velocity", {"target": "S-720"}, "critical-velocity-S-720"),
+        ("compare", {"target": "a.toml", "other": "old/b.toml"}, "compare-a-b"),
+        ("patch", {"target": "shot.toml"}, "patch-shot"),
+        ("sweep", {"target": "shot.toml"}, "sweep-shot"),
+        ("calibrate", {"fabric": "mine.toml"}, "calibrate-mine"),
+    ],
+)
+def test_the_folder_of_a_study_is_named_after_it_and_what_it_is_given(name, given, folder):
+    """That of a single run after its input file alone."""
+    function = getattr(weavecell, name.replace("-", "_"))
+    parameters = inspect.signature(function).parameters.values()
+    values = dict.fromkeys((parameter.name for parameter in parameters), None) | given
+    found = from_signature._folder(name, parameters, values)
+    assert found.parts == ("results", folder)
 
 
 def test_all_commands_are_listed_with_what_they_do(command, monkeypatch):

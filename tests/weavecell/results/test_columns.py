@@ -10,9 +10,10 @@ import pytest
 
 import weavecell as wc
 from shellfabric.impact.run import run_impact
+from shellfabric.plies.gap import gap_between
 from weavecell.api import limits
 from weavecell.api.scatter import V50Result
-from weavecell.results.impact import ImpactRecord
+from weavecell.results.impact import ImpactRecord, _describe_stacking
 from weavecell.results.impact_shapes import Cut
 from weavecell.studies import laboratory_tests, sweep, v50, window
 from weavecell.studies import limit as limit_study
@@ -267,6 +268,23 @@ def test_peaks_of_warp_and_weft_may_be_in_other_plies():
         [7, 8],
         2,
     )
+
+
+@pytest.mark.parametrize("names", [("S-726", "S-728"), ("S-728", "S-726"), ("S-726", "S-726")])
+def test_the_gap_of_a_pack_is_told_as_it_is_between_its_plies(names):
+    """With the range and the source of these two, where it is not given."""
+    plies = [{"name": name} for name in names]
+    setup = wc.setup(names[0], "150 m/s", ply=plies, opening="20 mm", elements_per_crossover=1)
+    target = setup.target()
+    told = _describe_stacking(setup, target)
+    between = gap_between(*map(setup.fabric_of, (0, 1)))
+    assert target.gaps[0] == pytest.approx(between.value)
+    assert told["ply_gap_low_m"] == pytest.approx(between.low)
+    assert told["ply_gap_high_m"] == pytest.approx(between.high)
+    assert told["ply_gap_source"] == between.source
+    assert told["ply_fabrics"] == list(names)
+    own = [gap_between(*2 * (setup.fabric_of(ply),)).high for ply in (0, 1)]
+    assert len({*own, between.high}) == (1 if names[0] == names[1] else 3)
 
 
 def test_the_cone_of_a_pack_is_that_of_its_last_ply():
