@@ -145,6 +145,29 @@ class CellModel:
             raise UnstableError("the crossover did not close", where=f"fabric {self.fabric.name}")
         return {name: column.reshape(stretch1.shape) for name, column in zip(COLUMNS, out)}
 
+    def solve_grid(self, stretch1: FloatArray, stretch2: FloatArray) -> dict[str, FloatArray]:
+        """Solve the cell at all pairs of stretches, each from its neighbour: a tenth of the time of
+        `solve`.
+
+        Parameters
+        ----------
+        stretch1, stretch2 : (n1,), (n2,) [-] rising, along warp and weft
+
+        Returns
+        -------
+        dict of (n1, n2) arrays, as `solve` gives them
+
+        Raises
+        ------
+        UnstableError : a cell did not close
+        """
+        out = np.empty((len(COLUMNS), stretch1.size, stretch2.size))
+        if not fill_kernels.fill(stretch1, stretch2, self.crossover, out):
+            raise UnstableError(
+                "the crossover did not close", where=f"the table of fabric {self.fabric.name}"
+            )
+        return dict(zip(COLUMNS, out))
+
     def range(self) -> tuple[tuple[float, float], ...]:
         """Return the ((lowest, highest), (lowest, highest)) stretches of the table, of warp and
         weft."""
@@ -238,12 +261,7 @@ class CellTable:
         if n < 8:
             raise InputError(key="table_size", value=n, allowed="at least 8")
         x, y = (coefficients.grid(lowest, highest, n) for lowest, highest in model.range())
-        out = np.empty((8, n, n))
-        if not fill_kernels.fill(x, y, model.crossover, out):
-            raise UnstableError(
-                "the crossover did not close", where=f"the table of fabric {model.fabric.name}"
-            )
-        return cls.of_values(model, x, y, dict(zip(COLUMNS, out)))
+        return cls.of_values(model, x, y, model.solve_grid(x, y))
 
     @classmethod
     def straight(cls, model: CellModel, n: int = 8) -> CellTable:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from contextlib import suppress
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -94,9 +95,11 @@ def versions() -> dict[str, str]:
     return installed
 
 
+@cache
 def commit() -> str:
     """Return the git commit this package was run from, "+ changes" if the tree had been edited;
-    "not a checkout" otherwise."""
+    "not a checkout" otherwise. It is asked for once a process, which keeps the code that it has
+    loaded."""
     # installed from a wheel, the folder may lie inside the checkout of another project
     home = Path(__file__).resolve().parents[1]
     if not (home.parent / ".git").exists():

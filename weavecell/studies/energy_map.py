@@ -54,7 +54,7 @@ def map_energy(cell: CellModel | SurfaceCell) -> EnergyMap:
     w1, w2 = weave.w
     if isinstance(cell, CellModel):
         warp, weft = (np.linspace(1, highest, STATES) for _, highest in cell.range())
-        values = cell.solve(warp[:, None], weft[None, :])
+        values = cell.solve_grid(warp, weft)
         residual = 0.0
     else:
         table = cell.table()
