@@ -16,6 +16,8 @@ import pytest
 os.environ["WEAVECELL_CACHE_DIR"] = ""  # no table is kept in the folders of who runs the tests
 # `importorskip("dolfinx")` is not the way in which it is loaded beside VTK: see unitcell3d/assembly/__init__.py
 sys.setdlopenflags = lambda flags: None
+# what a test writes need not outlive the machine's power
+os.fsync = lambda descriptor: None
 
 LIMIT = 1800  # [MiB] resident, of one process at its peak
 STATUS = Path("/proc/self/status")

@@ -13,6 +13,9 @@ from weavecell.studies import assumed_range, v50
 from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.strengths import draw_aim, draw_factors
 
+# no test here looks at what a picture shows
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 fired = []
 
 

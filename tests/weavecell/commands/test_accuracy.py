@@ -20,7 +20,7 @@ def scene(tmp_path):
 
 
 def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere_and_resumed(
-    command, succeed, scene, interrupted, tmp_path
+    command, succeed, scene, interrupted, drawn_once, tmp_path
 ):
     out = succeed(f"impact {scene} --out results")
     with interrupted(0.45):

@@ -13,6 +13,9 @@ import pytest
 from tests.scene_text import impact_scene
 from tests.weavecell.written import names
 
+# no test here looks at what a picture shows
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 SCENE = impact_scene(opening="40 mm", end_time="40 us", run='outputs = ["paraview", "report"]')
 BIGGER = os.strerror(27)
 # command: (its words, most bytes of a file, the file that is larger, what is there in the end)

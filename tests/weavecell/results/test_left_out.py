@@ -11,7 +11,10 @@ from tests.weavecell.written import page_of, without_marks
 from weavecell.results import left_out
 from weavecell.studies.assumed_range import AssumedRange, Row
 
-SMALL = {"opening": "100 mm", "elements_per_crossover": 1}
+# no test here looks at what a picture shows
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
+SMALL = {"opening": "60 mm", "elements_per_crossover": 1}
 
 
 def fire_shot(out):

@@ -17,6 +17,9 @@ from weavecell.api.scatter import V50Result
 from weavecell.studies import choice, lambert_jonas, probit, v50
 from weavecell.studies.ballistic_limit import Limit, Shot
 
+# no test here looks at what a picture shows
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 SPHERE = {
     "projectile": {"shape": "sphere", "mass": "0.69 g", "diameter": "5.56 mm"},
     "opening": "40 mm",
