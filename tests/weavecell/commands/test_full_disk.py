@@ -50,7 +50,8 @@ def test_a_full_disk_is_one_line(command, succeed, tmp_path, writer):
     if writer == "mesh":
         pytest.importorskip("gmsh")
     (tmp_path / "scene.toml").write_text(SCENE)
-    succeed("impact", "scene.toml", "--out", "whole")  # and kernels are compiled
+    if writer in ("view", "movie"):
+        succeed("impact", "scene.toml", "--out", "whole")
     with largest_file(size):
         code, _, err = command(*words.split())
     assert code == 2

@@ -47,14 +47,13 @@ def explained_in(html):
 
 @pytest.mark.parametrize("place", PLACES)
 def test_every_word_is_explained_in_every_place_of_a_report(place):
-    for word in glossary.words():
-        html = page_with(place, f"5 < 7 & {word} of 3")
-        assert explained_in(html)[word] == glossary.words()[word]
-        # the text is what it was
-        assert f"5 < 7 & {word} of 3" in unescape(re.sub(r"<[^>]*>", "", html))
-        assert html.count('href="#words"') == html.count('id="words"') == 1
-        listed = re.findall(r"<dt>(.*?)</dt>", html)
-        assert word in listed
+    text = "; ".join(f"5 < 7 & {word} of 3" for word in glossary.words())
+    html = page_with(place, text)
+    assert explained_in(html) == glossary.words()
+    # the text is what it was
+    assert text in unescape(re.sub(r"<[^>]*>", "", html))
+    assert html.count('href="#words"') == html.count('id="words"') == 1
+    assert set(re.findall(r"<dt>(.*?)</dt>", html)) == set(glossary.words())
 
 
 def test_a_word_is_explained_once_in_each_section():

@@ -260,10 +260,10 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(name):
 
 
 def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
-    """Twelve drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
+    """Eight drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
     and most of what is stopped takes less time."""
     spared = []
-    for number, velocity in enumerate(np.linspace(40.0, 70.0, 12)):
+    for number, velocity in enumerate(np.linspace(40.0, 70.0, 8)):
         panel = strengths.draw_panel(setup_of(fabric, 0.06), inputs.read_scatter(), 5, number).pack
         one, two = (
             ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0]
@@ -273,7 +273,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
         assert one.residual_velocity == two.residual_velocity
         assert two.time == one.time if one.perforated else two.time <= one.time
         spared += [] if one.perforated else [1 - two.time / one.time]
-    assert 3 <= len(spared) <= 9
+    assert 2 <= len(spared) <= 6
     assert np.median(spared) > 0
 
 
