@@ -130,7 +130,7 @@ def test_a_run_goes_on_after_the_stop_and_resumes(fabric, tmp_path):
     assert_array_equal(rested.step_history[: len(stopped.step_history)], stopped.step_history)
     assert rested.energies["backing_kinetic"][-1] < stopped.energies["backing_kinetic"][-1]
     assert rested.energy_error_max < 5e-3
-    march = PackSolver(long.panel(), 60.0, long.end_time)
+    march = PackSolver(long.target(), 60.0, long.end_time)
     checkpoint.read(march, path)
     assert march.time > stopped.time[-1]
     assert_array_equal(collect_result(long, march.run()).step_history, rested.step_history)
