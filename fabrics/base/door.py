@@ -19,6 +19,11 @@ def open_terminal() -> Iterator[None]:
         _OF_TERMINAL.reset(token)
 
 
+def in_terminal() -> bool:
+    """Return whether the user came by the command line."""
+    return _OF_TERMINAL.get()
+
+
 def option(name: str, value: str = "True") -> str:
     """Name an option as the user would write it: "--assumed-range", or "assumed_range=True".
 

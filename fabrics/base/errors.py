@@ -117,7 +117,7 @@ class InputError(WeavecellError, ValueError):
         if file is not None:
             parts.append(f"{file}:")
         if key is not None:
-            parts.append(f"{key} = {_shorten(repr(value))}:" if value is not None else f"{key}:")
+            parts.append(f"{key} = {_shown(value)}:" if value is not None else f"{key}:")
         allowed_text = []
         if message is not None:
             allowed_text = [message]
@@ -195,6 +195,13 @@ def unknown_name(
 
 # of a value that a line shows
 _LONGEST = 200
+
+
+def _shown(value):
+    """A value in an error: six digits of a number, as a converted unit has noise in the last."""
+    if type(value) is float:
+        return repr(float(f"{value:.6g}"))
+    return _shorten(repr(value))
 
 
 def _shorten(text):

@@ -437,6 +437,9 @@ def _problems(problem, model, given, file, in_python):
             message, allowed = table.unknown(names[-1], near)
             if homes:
                 message = f"unknown key here, it is a key of {homes}"
+                # one of several tables alike, such as plies, repeats no other table
+                if any(isinstance(step, int) for step in error["loc"]):
+                    message += f"; allowed here: {', '.join(table.model_fields)}"
                 allowed = None
             value = None
             if message is None:

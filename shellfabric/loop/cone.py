@@ -28,8 +28,9 @@ def find_foot(x: FloatArray, z: FloatArray, spacing: float) -> float:
 
     Returns
     -------
-    foot : [m] from the impact point; not a number of flat fabric, and of a side that covers fewer
-        than SIDE elements
+    foot : [m] from the impact point; not a number of flat fabric, of a side that covers fewer than
+        SIDE elements, and of one that goes down and up again: yarns that are pressed together near
+        the nose at first rise elsewhere
     """
     ahead = x >= 0
     x = x[ahead]
@@ -37,9 +38,12 @@ def find_foot(x: FloatArray, z: FloatArray, spacing: float) -> float:
     top = float(z.max(initial=0.0))
     high = _crossing(x, z, HIGH * top)
     low = _crossing(x, z, LOW * top)
-    if top > 0 and low - high >= SIDE * spacing:
-        return float(low + (low - high) * LOW / (HIGH - LOW))
-    return np.nan
+    if not (top > 0 and low - high >= SIDE * spacing):
+        return np.nan
+    side = (x >= x[np.argmax(z)]) & (x <= low)
+    if np.any(z[side] < LOW * top):
+        return np.nan
+    return float(low + (low - high) * LOW / (HIGH - LOW))
 
 
 def _crossing(x, z, height):

@@ -7,6 +7,7 @@ import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -128,6 +129,13 @@ class Citations:
             if source.status not in _OF_OTHERS and not references.find_cited(source.text):
                 found.setdefault(f"{source.status}: {source.text}", []).append(source)
         return found
+
+    def __repr__(self) -> str:
+        entries = self.to_bibtex().count("\n@") + 1
+        return f"Citations({self.name}: {entries} BibTeX entries, {len(self.sources)} numbers; print shows all)"
+
+    def _repr_html_(self) -> str:
+        return f"<pre style='white-space: pre-wrap'>{escape(str(self))}</pre>"
 
     def __str__(self) -> str:
         heading = [f"What {self.name} rests on, as BibTeX"]

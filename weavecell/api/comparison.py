@@ -600,9 +600,7 @@ class ComparisonResult(DrawnResult):
         )
 
     def __str__(self) -> str:
-        from weavecell.results.left_out import lines_of
-
-        return "\n".join((*self.lines(), *lines_of(self.left_out)))
+        return "\n".join((*self.lines(), *self._closing_lines()))
 
 
 def _outcomes(result):

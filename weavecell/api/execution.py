@@ -102,15 +102,16 @@ class Execution:
 
         Raises
         ------
-        TypeError : another keyword; it names the function, as Python does
+        InputError : another keyword
         """
         for key in options:
             if key not in cls.__dataclass_fields__:
-                message = f"{function}() got an unexpected keyword argument {key!r}"
                 near = nearest(key, cls.__dataclass_fields__, 0.6)
-                if near is not None:
-                    message += f". Did you mean {near!r}?"
-                raise TypeError(message)
+                hint = f", did you mean {near}?" if near else ""
+                names = ", ".join(cls.__dataclass_fields__)
+                names = ", ".join(cls.__dataclass_fields__)
+                message = f"is not a keyword of {function}{hint or ';'} allowed here: {names}"
+                raise InputError(message, key=key, value=options[key])
         return cls(**options)
 
     @classmethod

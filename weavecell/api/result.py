@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from fabrics import assumed
 from fabrics.base.checks import FilePath
+from fabrics.base.door import in_terminal
 from fabrics.base.errors import DoubtfulResult
 from weavecell.api.user_warnings import warn_user
 from weavecell.results import display, glossary, keys
-from weavecell.results.left_out import LeftOut
+from weavecell.results.left_out import LeftOut, lines_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
     from shellfabric.membrane.quality import Indicator
 
 __all__ = ["Result"]
+
+_LONGEST = 200  # characters of a repr
 
 
 class Result:
@@ -121,10 +125,20 @@ class Result:
         return DataFrame(dict(self._columns()))
 
     def __repr__(self) -> str:
-        shown = ", ".join(
-            f"{key}={_text(value)}" for key, value in self.summary().items() if plain(value)
-        )
-        return f"{type(self).__name__}({shown})"
+        parts = [str(self).partition("\n")[0].rstrip(".")]
+        if laws := self._list_assumed_laws():
+            parts.append(f"assumed: {len(laws)} laws")
+        if self.checks_text != "ok":
+            parts.append(f"checks {self.checks_text}")
+        return f"{type(self).__name__}({shorten('; '.join(parts), _LONGEST, placeholder=' ...')})"
+
+    def _closing_lines(self) -> list[str]:
+        """What closes the printed result: what its numbers leave out and, in Python, checks that are not
+        ok. The command line prints these itself, after the folder."""
+        lines = lines_of(self.left_out)
+        if self.checks_text != "ok" and not in_terminal():
+            lines.append(f"checks: {self.checks_text}")
+        return lines
 
     def _notebook_table(self) -> DataFrame:
         """The table that a notebook shows: what the summary has, with labels and units."""
@@ -176,12 +190,6 @@ class Result:
 def plain(value: object) -> bool:
     """Tell whether a value is shown: a text, a number or None."""
     return isinstance(value, (str, int, float)) or value is None
-
-
-def _text(value):
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return str(value)
 
 
 def save_to(result: Any, out: FilePath | None) -> Any:

@@ -67,7 +67,8 @@ def load(folder: FilePath) -> ShotResult | SavedResult:
 
     place = Path(folder)
     if not place.is_dir():
-        raise InputError(key="folder", value=str(folder), allowed="a folder of results")
+        message = "is no folder" if place.exists() else "is not there"
+        raise InputError(message, file=place, allowed="a folder of results, the out of a run")
     histories = place / "histories.h5"
     if histories.is_file() and _format_of(histories) == FORMAT:
         scene = place / "scene.toml"
@@ -184,9 +185,13 @@ def overlay(*results: Any) -> Figure:
     draw: Callable[..., Any] = pictures.draw_shots
     if all(isinstance(result, ShotResult) for result in results) and results:
         return figure(draw, {_name_of(result, k): result for k, result in enumerate(results, 1)})
+    for number, result in enumerate(results, 1):
+        if not isinstance(result, Result):
+            allowed = "a result, such as of impact, critical_velocity or load(folder)"
+            raise InputError(key=f"results[{number - 1}]", value=result, allowed=allowed)
     tables = {}
     for number, result in enumerate(results, 1):
-        table = result.to_dataframe() if isinstance(result, Result) else None
+        table = result.to_dataframe()
         strike, residual = (_column(table, f"{word} velocity") for word in ("strike", "residual"))
         if strike is None or residual is None:
             allowed = (

@@ -734,10 +734,9 @@ class ShotResult(ImpactRecord, Result):
         from weavecell.report.shot import chapters_shot
         from weavecell.results.display import text
 
-        if self.read_from is not None:
-            done = f"done before with the same input and code, in {self.read_from}"
-            return f"{self.title}: {self.outcome}; {done}"
         lines = [self.headline()]
+        if self.read_from is not None:
+            lines.append(f"read from {self.read_from}")
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
             if self.which_fabric:
@@ -771,4 +770,4 @@ class ShotResult(ImpactRecord, Result):
             lines.append(
                 f"values jump with the velocity, as yarns fail one by one: {option('uncertainty')} gives means"
             )
-        return "\n".join((*lines, *lines_of(self.left_out)))
+        return "\n".join((*lines, *self._closing_lines()))

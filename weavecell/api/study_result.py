@@ -154,4 +154,4 @@ class StudyResult(DrawnResult):
         chapters.write(out, title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)
 
     def __str__(self) -> str:
-        return "\n".join((*self.lines(), *lines_of(self.left_out)))
+        return "\n".join((*self.lines(), *self._closing_lines()))

@@ -12,6 +12,7 @@ The folder of `weavecell sweep`
 from __future__ import annotations
 
 import itertools
+import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +24,8 @@ import numpy as np
 from fabrics import plausible
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.door import in_terminal
+from fabrics.base.errors import InputError, nearest
 from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
 from fabrics.base.schema import entries, unit_of
@@ -131,9 +133,13 @@ def sweep(
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
     """
+    for name, value in options.items():
+        if name in keywords.tables():
+            raise InputError(_hint_at_key(name, value), key=name, value=value)
     how = Execution.from_options("sweep", options)
     if not isinstance(target, (Fabric, str, Path)):
         return _fire_setups(target, how)
+    from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths, v50
     from weavecell.studies import sweep as studies
 
@@ -158,9 +164,15 @@ def sweep(
                 key=f"over, {key}", value=values, allowed="a list of one value or more"
             )
         keys[key] = listed
+    factors = inputs.table("range")
+    for key in keys:
+        if key.partition(".")[0] not in Scene.model_fields and key not in factors:
+            hint = _hint_at_key(key, keys[key])
+            raise InputError(hint, key=f"over, {key}")
     struck = "projectile.strike_velocity"
     if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
-        allowed = f'given for a fabric, such as over "{struck}=90 m/s,150 m/s", or an input file'
+        example = _over(struck, ["90 m/s", "150 m/s"])
+        allowed = f"given for a fabric, such as {example}, or an input file"
         raise InputError("is missing", key=struck, allowed=allowed)
     of_quantity = {
         "shot": honoured.SWEEP,
@@ -237,6 +249,34 @@ def _panel(target, folder, support, changes):
     if panel.setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key=next(iter(factors)))
     return replace(panel, setup=inputs.scale_setup(panel.setup, **factors))
+
+
+def _over(key, values):
+    """How a user would vary a key."""
+    if in_terminal():
+        return f'--over "{key}={",".join(map(str, values))}"'
+    return f'over={{"{key}": {json.dumps(values, default=str)}}}'
+
+
+def _say_key(key):
+    """A key of an input file in words, such as "panel opening"; a key without a table is a factor."""
+    words = key.replace(".", " ").replace("_", " ")
+    if "." not in key:
+        words = f"factor on {words}"
+    # it is the only one that has a velocity
+    return words.replace("projectile strike velocity", "strike velocity")
+
+
+def _hint_at_key(name, values):
+    """What to write for a name that is no key of an input file with its table."""
+    listed = list(values) if isinstance(values, (list, tuple)) else [values]
+    known = {"velocity": "projectile.strike_velocity"}
+    for key, table in keywords.tables().items():
+        known[key] = f"{table}.{key}" if table else key
+    if near := nearest(name, known, 0.7):
+        return f"is no key of an input file, did you mean {_over(known[near], listed)}?"
+    example = _over("panel.opening", ["150 mm", "200 mm"])
+    return f"is no key of an input file; a key has its table before it, such as {example}"
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
@@ -317,7 +357,7 @@ class SweepTable(StudyResult):
         from weavecell.studies.sweep import QUANTITIES
 
         quantity = QUANTITIES[self.quantity]
-        over = f"over {', '.join(self._varied)}"
+        over = f"over {self._varied_words}"
         label = quantity.label.partition(" [")[0].capitalize()
         values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
         outcomes = list(self.summary())
@@ -332,7 +372,12 @@ class SweepTable(StudyResult):
     @property
     def title(self) -> str:
         quantity = self.quantity.replace("-", " ")
-        return f"{self.target.setup.name}: {quantity} over {', '.join(self._varied)}"
+        return f"{self.target.setup.name}: {quantity} over {self._varied_words}"
+
+    @property
+    def _varied_words(self):
+        """The keys that vary, in words."""
+        return ", ".join(map(_say_key, self._varied))
 
     @property
     def _varied(self):
@@ -357,7 +402,7 @@ class SweepTable(StudyResult):
 
     def _changes(self, row):
         """The keys that a row changes, of those that vary, in words."""
-        changed = [f"{key} = {row[key]}" for key in self._varied if row[key] is not None]
+        changed = [f"{_say_key(key)} {row[key]}" for key in self._varied if row[key] is not None]
         return ", ".join(changed) or "input file"
 
     def _abscissa(self):
@@ -368,14 +413,14 @@ class SweepTable(StudyResult):
             return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
         # a key without a table is a factor
         if "." not in key:
-            return [row[key] for row in self.rows], f"factor on {key}"
+            return [row[key] for row in self.rows], _say_key(key)
         values = []
         for panel in self.targets:
             value = panel.case.scene
             for part in key.split("."):
                 value = getattr(value, part)
             values.append(value)
-        words = key.replace(".", " ").replace("_", " ")
+        words = _say_key(key)
         # a text, a table or a truth value has no place on an axis
         if not {*map(type, values)} <= {int, float}:
             return [str(row[key]) for row in self.rows], words

@@ -23,6 +23,7 @@ from fabrics.base.schema import read_toml
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import keywords
+from weavecell.api.result import Result
 from weavecell.api.user_warnings import warn_user
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
@@ -242,6 +243,7 @@ def resolve_target(
     beside = chosen
     if velocity is not None:
         beside = chosen | {"velocity": velocity}
+    refuse_result(target)
     if isinstance(target, ImpactSetup):
         _refuse(beside, "a set-up", function)
         return Target(None, target, "", target.title, from_file=False)
@@ -332,11 +334,27 @@ def list_assumptions(setup: ImpactSetup) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def refuse_result(value: object) -> None:
+    """Refuse a result where a fabric, a file or a set-up is to be computed.
+
+    Raises
+    ------
+    InputError
+    """
+    if isinstance(value, Result):
+        allowed = (
+            "a fabric, an input file or a set-up, which is then computed; "
+            "overlay(...) and view(..., beside=...) show results side by side"
+        )
+        raise InputError("is a result", key=type(value).__name__, allowed=allowed)
+
+
 def resolve_fabric(fabric: Fabric | FilePath) -> Fabric:
     """Return a Fabric as it is, and load that of a name or file with the linear densities of the
     runs of the thesis."""
     if isinstance(fabric, Fabric):
         return fabric
+    refuse_result(fabric)
     return with_linear_density(catalogue.load(fabric), "effective")
 
 

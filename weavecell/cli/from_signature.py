@@ -24,7 +24,7 @@ from fabrics.base.files import parse_toml
 from weavecell.api.lists import format_for_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
-from weavecell.results import glossary
+from weavecell.results import glossary, run_folder
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
@@ -103,6 +103,8 @@ def command(
                 raise _name_option(problem, values) from None
         if returns == "DataFrame":
             print(format_for_terminal(result))
+        elif getattr(result, "read_from", None) is not None:
+            print(run_folder.say_done(result.title, result.outcome, result.read_from))
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:

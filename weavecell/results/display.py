@@ -60,12 +60,16 @@ def heading(label: str, unit: str) -> str:
 
 def number(value: Any, unit: str, form: str = ".4g") -> str:
     """Format a value, or several, in the unit shown and without it; a dash for None and what is not
-    a number."""
+    a number. Numbers below a million have no exponent."""
     if np.ndim(value):
         return ", ".join(number(part, unit, form) for part in value)
     known = value is not None and np.isfinite(value)
     if known:
-        return f"{choose_unit(unit)[1] * value:{form}}"
+        shown = f"{choose_unit(unit)[1] * value:{form}}"
+        if "e+" in shown and abs(float(shown)) < 1e6:
+            sign = "+" if form.startswith("+") else ""
+            return f"{float(shown):{sign}.0f}"
+        return shown
     return "–"
 
 

@@ -19,7 +19,7 @@ from weavecell.results import display
 
 SUMMARY_FORMAT = "weavecell summary 2"
 # the unit that ends a name
-_UNIT = re.compile(r"_(m_s|ft_s|J_m2|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
+_UNIT = re.compile(r"_(J_m2_kg|m_s|ft_s|J_m2|kg_m2|kg|mm|m3|m|ns|s|N|J|Pa|rad)$")
 
 
 class Key(NamedTuple):
@@ -141,6 +141,7 @@ def infer_key(name: str) -> Key:
     words, *ending = _UNIT.split(name)
     unit = "1"
     if ending:
-        unit = ending[0].replace("_", "/")
+        # an energy over an areal density is no chain of quotients
+        unit = ending[0].replace("J_m2_kg", "J m2/kg").replace("_", "/")
     unit = _UNITS.get(name) or unit
     return Key(name, unit, words.replace("_", " "))

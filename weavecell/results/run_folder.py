@@ -38,9 +38,12 @@ class Finished:
         return self.content["checks"]["status"] == "doubtful"
 
     def __str__(self) -> str:
-        title = self.content["title"]
-        outcome = self.content["outcome"]
-        return f"{title}: {outcome}; done before with the same input and code, in {self.folder}"
+        return say_done(self.content["title"], self.content["outcome"], self.folder)
+
+
+def say_done(title: str, outcome: str, folder: Path) -> str:
+    """Say that a run is not repeated, since its folder has the results."""
+    return f"{title}: {outcome}; done before with the same input and code, in {folder}"
 
 
 def find_finished(out: Path, names: Iterable[str], key: str) -> Finished | None:

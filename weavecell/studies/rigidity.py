@@ -58,10 +58,8 @@ class Rigidity:
             forces = f"{self.force:.0f} N press on it, and its thinnest section yields at {self.yield_force:.0f} N"
             return f"{times}; {forces}: {advice}"
         if self.enough:
-            verdict = "a rigid projectile is enough"
-        else:
-            verdict = f"tip and tail move apart: {advice}"
-        return f"{times}: {verdict} (from {ENOUGH:g} periods on)"
+            return f"{times}: a rigid projectile is enough, as from {ENOUGH:g} periods on"
+        return f"{times}, fewer than {ENOUGH:g}, so that tip and tail move apart: {advice}"
 
 
 def rigid_is_enough(

@@ -234,7 +234,7 @@ def test_bad_arguments_are_one_line(call, told):
 
 @pytest.mark.parametrize("function", [wc.calibrate, wc.surface, wc.sweep])
 def test_a_wrong_keyword_is_refused_by_the_function_that_was_called(function):
-    with pytest.raises(TypeError, match=rf"^{function.__name__}\(\) .* 'job'. Did you mean 'jobs'"):
+    with pytest.raises(InputError, match=f"^job = 2: .* {function.__name__}, did you mean jobs?"):
         function("S-720", job=2)
 
 
@@ -403,7 +403,7 @@ def test_a_bracket_on_a_doubtful_shot_says_so(slow, fast, said):
         with pytest.warns(wc.DoubtfulResult, match=f"stopped shot at {said} m/s"):
             found.warn()
     assert found.bracket_checks == told
-    assert told in repr(found)
+    assert told in found.summary()["bracket_checks"]
 
 
 def test_coupons_as_tables_and_figures(tmp_path):

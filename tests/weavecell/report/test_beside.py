@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError
+from shellfabric.membrane import quality
 from tests.weavecell.session_runs import fired
 from weavecell.report.page import render
 from weavecell.report.shot import beside, chapters_shot, moving
@@ -49,6 +50,10 @@ def test_the_first_line_says_what_differs(shots):
     assert f"deflection of the back face {first} and {second} ({more:+.3g} mm)" in said
     assert "peak contact force" not in said  # it is the same
     assert beside.difference((one, one)) == f"Both {one.outcome}, with the same results."
+    doubted = replace(one, checks=(quality.indicator("unzipping", 4.2),))
+    assert beside.difference((one, doubted)).endswith(
+        "results. B is doubtful: unzipping 4.20 (limit 1.5)."
+    )
 
 
 def test_rows_have_both_values_and_their_difference(shots):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report import pictures, pictures_comparison
+from weavecell.report import checks, pictures, pictures_comparison
 from weavecell.report.page import Figure, Report, Section, Table
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import display, keys
@@ -90,9 +90,15 @@ def difference(records: Sequence[ImpactRecord]) -> str:
             for value, form in zip((before, after, after - before), (".3g", ".3g", "+.3g"))
         )
         parts.append(f"{label} {first} and {second} ({more})")
-    if not parts:
-        return f"{said}, with the same results."
-    return f"{said}: {', '.join(parts)}."
+    sentence = f"{said}: {', '.join(parts)}." if parts else f"{said}, with the same results."
+    return " ".join((sentence, *_doubts(records)))
+
+
+def _doubts(records):
+    """A sentence about each of A and B that is doubtful."""
+    for letter, record in zip(_LETTERS, records):
+        if checks.status(record.checks) == checks.DOUBTFUL:
+            yield f"{letter} is {checks.words(record.checks)}."
 
 
 def _units():

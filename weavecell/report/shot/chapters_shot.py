@@ -115,7 +115,8 @@ def cut(counts: Sequence[float]) -> str:
     """Write the numbers of cut yarns, with what they count if one is not whole."""
     numbers = [f"{count:.1f}".removesuffix(".0") for count in counts]
     words = f"{', '.join(numbers)} cut yarns of warp and weft"
-    if all(float(count).is_integer() for count in counts):
+    # sums of whole yarns have noise in their last digits
+    if all(float(count).is_integer() for count in np.round(counts, 6)):
         return words
     return f"{words} ({PARTS})"
 
@@ -515,9 +516,9 @@ def measures(
     radii = {yarn.family: (recorded.t, yarn.cone_radius) for yarn in through}
     arrivals = pictures.draw_figure(
         f"fronts{of_ply}",
-        "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse one (red: "
-        "the foot of the pyramid); the lines are fitted. Deflections along the yarns and the forces on the edges of "
-        "the panel are in histories.h5 under /measured.",
+        "Tension over place and time, with the longitudinal front (dark: tension arrives) and the transverse one "
+        "(orange: the foot of the cone); the lines are fitted. Deflections along the yarns and the forces on the edges "
+        "of the panel are in histories.h5 under /measured.",
         pictures_histories.fronts,
         recorded.t,
         through,

@@ -1,0 +1,118 @@
+"""What a result is in one line, what it prints, and what a wrong object in its place is told."""
+
+import pytest
+
+import weavecell as wc
+from fabrics.base.door import open_terminal
+from fabrics.base.errors import InputError
+from weavecell.results import display, keys
+
+QUICK = {"opening": "20 mm", "end_time": "6 us"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("results") / "shot"
+
+
+@pytest.fixture(scope="module")
+def shot(folder):
+    return wc.impact("S-720", "150 m/s", out=folder, **QUICK)
+
+
+@pytest.mark.parametrize(
+    "compute",
+    [
+        lambda: wc.size_of("S-720", "150 m/s", **QUICK),
+        lambda: wc.biaxial("S-720"),
+        lambda: wc.cite("S-720"),
+        lambda: wc.coupon(
+            "S-720", "pull_out", displacement="1 mm", crossings=4, crossover_cohesion="0.1 N"
+        ),
+    ],
+    ids=["size", "biaxial", "citations", "pull-out"],
+)
+def test_a_result_is_one_short_line(compute):
+    result = compute()
+    assert len(repr(result)) < 250
+    assert "\n" not in repr(result)
+    assert repr(result).startswith(f"{type(result).__name__}(")
+
+
+def test_a_loaded_shot_prints_what_it_printed_when_it_was_fired(shot, folder):
+    fired = str(shot).splitlines()
+    loaded = str(wc.load(folder)).splitlines()
+    assert loaded[:2] == [fired[0], f"read from {folder}"]
+    assert loaded[2:] == fired[1:]
+
+
+def test_doubts_are_printed_and_shown(shot):
+    """In Python; the command line prints them last of all."""
+    from dataclasses import replace
+
+    from shellfabric.membrane.quality import indicator
+
+    words = "checks: doubtful: unzipping 4.2"
+    doubted = replace(shot, checks=(*shot.checks, indicator("unzipping", 4.2)))
+    assert words in str(doubted)
+    assert words.partition(": ")[2] in doubted._repr_html_().replace("</abbr>", "")
+    assert "checks: " not in str(shot)
+    with open_terminal():
+        assert words not in str(doubted)
+
+
+def test_a_result_in_place_of_a_fabric_is_named(shot):
+    for call in (
+        lambda: wc.impact(shot, "100 m/s"),
+        lambda: wc.compare(shot, shot),
+        lambda: wc.biaxial(shot),
+        lambda: wc.v50(shot),
+    ):
+        with pytest.raises(InputError, match=r"^ShotResult: is a result; .*overlay"):
+            call()
+    with pytest.raises(InputError, match=r"^results\[1\] = 'yesterday': must be a result"):
+        wc.overlay(shot, "yesterday")
+
+
+@pytest.mark.parametrize(
+    "over, options, hint",
+    [
+        ({"velosity": [80, 100]}, {}, 'over={"projectile.strike_velocity": [80, 100]}'),
+        ({"opening": ["4 cm"]}, {}, 'over={"panel.opening": ["4 cm"]}'),
+        ({"panel.plies": [1, 2]}, {"opening": "40 mm"}, 'over={"panel.opening": ["40 mm"]}'),
+        ({"panel.plies": [1, 2]}, {}, 'over={"projectile.strike_velocity": ["90 m/s", "150 m/s"]}'),
+        ({"colour": ["red"]}, {}, 'over={"panel.opening": ["150 mm", "200 mm"]}'),
+    ],
+)
+def test_a_sweep_says_how_a_key_is_varied(over, options, hint):
+    """In Python as Python writes it, in the terminal as the command line does."""
+    with pytest.raises(InputError) as refused:
+        wc.sweep("S-720", over=over, **options)
+    assert hint in str(refused.value)
+    with open_terminal(), pytest.raises(InputError) as refused:
+        wc.sweep("S-720", over=over, **options)
+    assert '--over "' in str(refused.value)
+
+
+def test_a_number_in_an_error_has_no_noise_of_its_unit():
+    error = InputError(key="mass", value=2.6 * 1e-3, allowed="more")
+    assert str(error) == "mass = 0.0026: must be more"
+    assert error.value == 2.6 * 1e-3
+
+
+@pytest.mark.parametrize(
+    "value, form, text",
+    [
+        (1778.4, ".3g", "1780"),
+        (1222.6, "+.3g", "+1220"),
+        (-45678.9, ".4g", "-45680"),
+        (6.02e23, ".3g", "6.02e+23"),
+        (0.00012, ".3g", "0.00012"),
+    ],
+)
+def test_numbers_below_a_million_have_no_exponent(value, form, text):
+    assert display.number(value, "N", form) == text
+
+
+def test_an_energy_over_an_areal_density_has_its_unit():
+    assert keys.infer_key("a_specific_energy_J_m2_kg").label == "a specific energy [J m2/kg]"
