@@ -90,7 +90,7 @@ def test_a_sweep_prints_the_interval_of_a_pack():
         | {"lower_m_s": 228.26, "upper_m_s": 239.71, "checks": "ok"},
     )
     table = SweepTable("critical-velocity", ("panel.plies",), rows, ())
-    assert table.lines() == ["panel.plies = 2: 233.4 m/s, 95 % interval from 228.3 to 239.7 m/s"]
+    assert table.lines() == ["panel plies 2: 233.4 m/s, 95 % interval from 228.3 to 239.7 m/s"]
 
 
 def test_progress_without_a_terminal(monkeypatch, capsys):
