@@ -13,6 +13,7 @@ from shellfabric.impact.run import run_impact
 from shellfabric.plies.gap import gap_between
 from weavecell.api import limits
 from weavecell.api.scatter import V50Result
+from weavecell.results import impact
 from weavecell.results.impact import ImpactRecord, _describe_stacking
 from weavecell.results.impact_shapes import Cut
 from weavecell.studies import laboratory_tests, sweep, v50, window
@@ -300,6 +301,20 @@ def test_the_cone_of_a_pack_is_that_of_its_last_ply():
     record = Given(cuts=tuple(cuts), z_rest=rest)
     assert ImpactRecord.cone_radius.fget(record) == pytest.approx(feet[:, -1], rel=0.01)
     assert ImpactRecord.cut_times.fget(record) == pytest.approx([1e-5, 2e-5])
+
+
+@pytest.mark.parametrize("end, wanted", [(50e-6, 10e-6), (5e-6, 5e-6)])
+def test_half_of_the_energy_is_that_of_what_is_lost_at_the_end(end, wanted, monkeypatch):
+    """Of a nose that is thrown back, and so has lost less than when it stood still."""
+    monkeypatch.setattr(impact.Shape, "from_snapshot", lambda one: one.t)
+    clock = np.arange(6) * 10e-6
+    kinetic = np.array([100.0, 62.0, 45.0, 0.0, 30.0, 40.0])
+    snapshots = [(Given(t=t),) for t in clock[1:]]
+    result = Given(energies={"kinetic_projectile": kinetic}, time=clock, snapshots=snapshots)
+    final = (Given(time=end),)
+    found = impact._half_energy(result, final)
+    # a short run has no snapshot before its end
+    assert found == ((wanted,) if end > 10e-6 else final)
 
 
 def test_columns_of_a_shot_are_its_histories(shot):
