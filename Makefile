@@ -30,7 +30,7 @@ printed: setup  ## every command that the guide prints, run as a reader would: t
 nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
 	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again package convergence mutants
 
-mutants: setup  ## a hundred planted defects, each with the tests nearest to it: an hour; fails where fewer than 95 % are found
+mutants: setup  ## planted defects, each with the tests nearest to it: more than an hour; fails where fewer than 95 % are found
 	nice $(RUN:-m=) tools/mutants.py --out $(RESULTS)/mutants.csv --least 0.95
 
 package: setup  ## the wheel by Python 3.11 to 3.13, with the newest and the lowest packages, and the container image step by step: built, and tried as users would

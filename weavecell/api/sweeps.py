@@ -211,13 +211,14 @@ def sweep(
 
 def _forecast(setup, quantity, shots, width):
     """The StudySize of a row; `shots` of a V50, `width` [m/s] of the bracket of a limit or None."""
-    from weavecell.studies import pack_limit
+    from weavecell.studies import pack_limit, v50
     from weavecell.studies.limit import usual_tolerance
 
     if quantity == "shot":
         return StudySize.estimate(setup, setup.title, 1)
     if quantity == "v50":
-        return StudySize.estimate(replace(setup, symmetry="whole"), setup.title, shots, 1)
+        fired = replace(v50.grade_mesh(setup), symmetry="whole")
+        return StudySize.estimate(fired, setup.title, shots, 1)
     beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
     width = width or usual_tolerance(setup.target())
     return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width)

@@ -187,6 +187,13 @@ def test_a_crater_along_each_yarn_is_the_line_of_the_face_along_it(mirrors):
     for line, half, scale in ((found.crater, 0.04, 0.02), (found.crater_weft, 0.03, 0.01)):
         assert line[-1, 0] == pytest.approx(half)
         assert line[:, 1] == pytest.approx(5e-3 * np.exp(-((line[:, 0] / scale) ** 2)), abs=1e-6)
+    # measures of the dent are means along both
+    radii = [radius_at(line, 0.5) for line in (found.crater, found.crater_weft)]
+    angles = [wall_angle(line) for line in (found.crater, found.crater_weft)]
+    assert radii[0] > 1.3 * radii[1]
+    assert angles[1] > 1.3 * angles[0]
+    assert found.half_width == pytest.approx(np.mean(radii))
+    assert found.steepness == pytest.approx(np.mean(angles))
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0, float("nan")])

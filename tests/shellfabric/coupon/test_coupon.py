@@ -175,6 +175,16 @@ def test_slack_yarns_carry_nothing(table):
         assert abs(relaxation_kernels.potential(other, table.stretch2[0], *args)[2]) < 1e-12
 
 
+def test_stretches_of_warp_and_weft_are_those_of_their_directions(coupon):
+    """Of an even motion: the length of each direction after it."""
+    motion = np.array([[1.03, 0.12], [-0.05, 0.98]])
+    found = coupon.stretches(coupon.points @ motion)
+    for edges, spacing, stretch in zip(coupon.edges, coupon.spacing, found):
+        along = coupon.points[edges[0, 1]] - coupon.points[edges[0, 0]]
+        assert np.linalg.norm(along) == pytest.approx(spacing)
+        assert stretch == pytest.approx(np.linalg.norm(along @ motion) / spacing)
+
+
 def test_mean_tensions_against_the_plain_twin(coupon):
     """The hat about each segment over those beside it, by their widths; on outlines, at any angle and any length."""
     fabric = replace(coupon.table.model.fabric, failure_length=2.7e-3)

@@ -8,7 +8,7 @@ import pytest
 
 from fabrics.base.errors import InputError
 from fabrics.metals import Metal
-from shellfabric.metal.body import MetalBody, make_row
+from shellfabric.metal.body import HOURGLASS_STIFFNESS, MetalBody, make_row
 from shellfabric.projectile.dynamics import BAR
 from shellfabric.projectile.turned import Turned
 
@@ -154,6 +154,10 @@ def test_core_and_jacket_have_their_own_laws_and_the_factor_of_the_mass():
     for law, metal in ((row.core, HEAVY), (row.jacket, LIGHT)):
         assert law.density == pytest.approx(1.04 * metal.density)
         assert law.wave_speed == pytest.approx(metal.wave_speed / 1.04**0.5)
+    for law, own in ((row.core, ~body.jacketed), (row.jacket, body.jacketed)):
+        square = (row.gradient[own] ** 2).sum(axis=(1, 2))
+        stiffness = HOURGLASS_STIFFNESS * law.shear_modulus * row.volume[own] * square / 12
+        assert row.hourglass_stiffness[own] == pytest.approx(stiffness)
 
 
 @pytest.mark.parametrize("core, jacket", [(0.7, 0.2), (0.3, 0.9)])

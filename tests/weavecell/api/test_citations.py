@@ -126,6 +126,13 @@ def test_what_an_input_file_names_is_cited_and_nothing_else(scene, of):
     assert all(source.status for source in found)
 
 
+def test_yarns_that_may_be_resolved_cite_what_resolved_ones_do():
+    sure, maybe = (
+        list_sources((), (), f'[panel]\ncrossovers = "{choice}"') for choice in ("yarns", "auto")
+    )
+    assert sure == maybe
+
+
 def test_a_hybrid_pack_cites_the_laws_of_all_its_plies(tmp_path):
     plies = '[[panel.ply]]\nname = "S-726"\n[[panel.ply]]\nname = "S-728"\n[run]'
     text = SHOT.replace('file = "sheet.toml"', 'name = "S-726"').replace("[run]", plies)

@@ -93,6 +93,9 @@ def test_the_forecast_of_a_sweep_is_the_sum_over_its_rows(tmp_path, monkeypatch)
         swept = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
         assert swept.shots == sum(map(of_plies.get, plies))
         assert swept.searches == len(plies)
+    one = wc.v50("S-720", shots=20, check=True)
+    swept = wc.sweep("S-720", over={"panel.plies": [1]}, quantity="v50", shots=20, check=True)
+    assert (swept.shots, swept.cpu_time) == (one.shots, pytest.approx(one.cpu_time))
     assert not list(tmp_path.iterdir())
 
 

@@ -17,7 +17,7 @@ from fabrics import catalogue
 from meshing import patch
 from tests.meshing.hexahedra import vector_areas, volumes
 from tests.weavecell.decks.deck_readers import blocks, columns
-from weavecell.decks import mesh_files
+from weavecell.decks import mesh_deck, mesh_files
 from weavecell.decks.linear_material import linearise
 from weavecell.decks.mesh_abaqus import SIDES
 
@@ -43,6 +43,21 @@ def check_elements(mesh, read):
     for name, bars in zip(mesh.names, mesh.bars):
         nodes, _ = zip(*map(read.bars.get, read.bar_sets[f"{name}_fibre"]))
         assert_array_equal(nodes, bars + 1)
+
+
+def test_parts_of_bars_are_of_yarns_of_their_own_family():
+    """By the name of the part, on a patch of unlike yarns; each bar once."""
+    mesh = patch.build(catalogue.load("S-726"), (2, 3), size=(2, 2, 1))
+    made = mesh_deck.deck(mesh, catalogue.load("S-726"))
+    own = {family: set() for family in (0, 1)}
+    for family, pairs in zip(mesh.families, mesh.bars):
+        own[family] |= set(map(tuple, pairs + 1))
+    bars = made.select_parts("bar")
+    for part in bars:
+        family = ("warp", "weft").index(part.name.partition("_")[0])
+        assert part.family == family
+        assert set(map(tuple, part.nodes)) <= own[family]
+    assert sum(len(part.nodes) for part in bars) == sum(map(len, own.values()))
 
 
 def check_sets(mesh, sets, unions):

@@ -15,6 +15,7 @@ from meshing import patch
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
+from weavecell.api.patches import PatchResult
 from weavecell.studies import small_patch
 from weavecell.studies.small_patch import SmallPatch, Struck
 
@@ -147,6 +148,20 @@ def slowed(model, by, end=50e-6, first_failure=inf):
 def test_the_answer_is_by_solid_yarns(pinned, yarns, words):
     struck = [slowed("pinned", pinned), slowed("yarns", yarns), slowed("solids", 20.0)]
     assert small_patch.judge(struck, 60.0).startswith(words + ":")
+
+
+def test_the_summary_has_each_model_at_the_end_of_what_is_compared():
+    """One yarn fails after 20 us: from then on the noses say nothing."""
+    struck = [slowed("pinned", 30.0), slowed("yarns", 21.0, first_failure=20e-6)]
+    struck.append(slowed("solids", 14.0))
+    shot = Given(strike_velocity=60.0)
+    patched = Given(place="gap", crossings=12, bricks=9, friction=0.2, shot=shot)
+    found = PatchResult(Given(), patched, tuple(struck)).summary()
+    assert found["compared_until_s"] == 20e-6
+    for model, by in (("pinned", 30.0), ("yarns", 21.0), ("solids", 14.0)):
+        assert found[f"{model}_velocity_m_s"] == pytest.approx(60.0 - 0.4 * by)
+    assert found["yarns_first_failure_s"] == 20e-6
+    assert "pinned_first_failure_s" not in found
 
 
 def test_models_are_compared_until_the_first_failure_or_end():
