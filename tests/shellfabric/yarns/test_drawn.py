@@ -97,8 +97,8 @@ def test_yarns_at_rest_stand_for_the_elements_that_they_cover(width):
 
 
 def test_each_ply_of_a_pack_is_drawn_where_its_own_yarns_are():
-    """Plies of two fabrics, one at an angle: about the nodes of each chain, at the place of the ply, as wide as a yarn of
-    the family and half as high as the ply."""
+    """Plies of two fabrics, one at an angle: about the nodes of each chain, at the place of the ply, as wide as a yarn
+    of the family and half as high as the ply."""
     plies = (Ply(FABRIC), Ply(catalogue.load("S-728"), angle=0.5), Ply(FABRIC))
     setup = replace(SETUP, plies=3, lay_up=plies, snapshot_interval=None)
     pack = setup.target()
