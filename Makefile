@@ -8,8 +8,9 @@ N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
-# two programs, with dolfinx and without: memory that compiled code takes is given back between them
-WITH_SOLID = $(addprefix tests/,unitcell3d meshing weavecell refusals installed)
+# two programs, with dolfinx and without: memory that compiled code takes is given back between them;
+# what builds the wheel comes first, so that no process waits for it at the end
+WITH_SOLID = $(addprefix tests/,installed unitcell3d meshing weavecell refusals)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
 .PHONY: demo test test-slow nightly mutants package ledger convergence printed validate fuzz pages lint figures studies docs docs-again setup clean

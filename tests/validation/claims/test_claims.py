@@ -18,11 +18,18 @@ TIMED = (
 )
 
 
+# many shots that claims beside them fire too: at six of its sixteen speeds, and without snapshots
+MANY_SHOTS = ("impact1-failure-zone-by-speed", "shear-max-below-lock")
+
+
 def marked(claim):
     """A claim as a case; a test of a long one is slow."""
-    return pytest.param(
-        claim, id=claim.id, marks=pytest.mark.slow(60) if runner.is_long(claim) else ()
-    )
+    marks = ()
+    if runner.is_long(claim):
+        marks = pytest.mark.slow(60)
+    elif claim.id in MANY_SHOTS:
+        marks = pytest.mark.slow(10)
+    return pytest.param(claim, id=claim.id, marks=marks)
 
 
 @pytest.fixture(scope="session")

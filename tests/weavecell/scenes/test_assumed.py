@@ -42,7 +42,7 @@ CRIMP_ENDS = ["thickness times 0.9", "thickness times 1.1", "warp share 0.5", "w
 
 
 @pytest.fixture
-def own(succeed, tmp_path):
+def own(succeed, drawn_once, tmp_path):
     """Run examples/own-fabric.toml on a small panel for a short time, with changes of its fabric file, (old, new)."""
 
     def run(*changes, options=()):
