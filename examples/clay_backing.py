@@ -31,9 +31,9 @@ print(f"{shot.outcome}, checks {shot.checks_text}")
 signature = shot.summary()["back_face_signature_mm"]
 if signature is None:
     # a signature is read of a block at rest; the dent is still growing or springing back
-    print(
-        f"the block still moves: its dent has been {shot.summary()['deepest_dent_mm']:.1f} mm deep"
-    )
+    deepest = shot.summary()["deepest_dent_mm"]
+    print(f"the block still moves: its dent has been {deepest:.1f} mm deep")
+    print('for the dent at rest give the block a time after the stop: "after_stop": "3 ms"')
 else:
     print(f"back-face signature {signature:.1f} mm")
 

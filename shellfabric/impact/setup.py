@@ -37,6 +37,7 @@ from shellfabric.yarns.model import YarnPanel, YarnZone, lie_anywhere
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
 MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
+CARRIED = 1e-3  # [s] for which a block carries free fabric along, at least as measured (docs/reports/backing.md)
 OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
@@ -233,6 +234,17 @@ class ImpactSetup:
         """Whether a ply is at another angle than 0 and a right one."""
         return any(self.angle_of(ply) not in (0.0, pi / 2) for ply in range(self.plies))
 
+    @property
+    def _carried_notes(self):
+        """A line about fabric that a block carries along for longer than the run lasts."""
+        if self.backing is None or not self._hangs_free or self.end_time >= CARRIED:
+            return ()
+        return (
+            "no edge stops fabric with free edges: block, fabric and projectile move on together "
+            f"for {1e3 * CARRIED:g} ms or longer, and the run ends {1e6 * self.end_time:.0f} us "
+            "after the strike: a longer run.end_time",
+        )
+
     @cached_property
     def opening_notes(self) -> tuple[str, ...]:
         """A line about each opening that differs from the given one by more than OPENING_ERROR,
@@ -269,6 +281,7 @@ class ImpactSetup:
             *self.projectile.notes,
             *dict.fromkeys(of_fabrics),
             *plausible.judge(list_numbers(self)),
+            *self._carried_notes,
         )
         try:
             return (*self.opening_notes, *found)
@@ -315,7 +328,8 @@ class ImpactSetup:
         lengths long, and no longer than `resolved_elements_per_crossover` allows, with
         MOST_ELEMENTS to a crossover at most. Further out elements are twice as long and longer, up
         to two crossovers. A yarn whose end is not clamped may be drawn under the projectile from
-        anywhere: then all elements are alike.
+        anywhere: then all elements are alike, unless a block holds the fabric back
+        (`keeps_its_middle`).
 
         Raises
         ------
@@ -331,6 +345,19 @@ class ImpactSetup:
         """Whether all four edges are clamped."""
         return boundary.is_clamped(self.boundary)
 
+    @property
+    def keeps_its_middle(self) -> bool:
+        """Whether what is about the impact point stays there, so that elements further out may be
+        longer: clamped fabric, and fabric with free edges before a block, which presses it on the
+        nose all round. The check "coarse fabric in the nose" looks whether it has stayed."""
+        before_block = self.backing is not None and self._hangs_free
+        return self.clamped or (before_block and self.impact_point == (0.0, 0.0))
+
+    @property
+    def _hangs_free(self):
+        """Whether all four edges are free."""
+        return all(side == "free" for pair in boundary.sides(self.boundary) for side in pair)
+
     def _count_elements(self, resolved):
         """Elements per crossover that are at most `resolved` failure lengths long, MOST_ELEMENTS
         at most."""
@@ -342,7 +369,7 @@ class ImpactSetup:
 
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
         """Return the set-up with the mesh that follows from the failure length: graded, or uniform
-        if an edge is not clamped.
+        if fabric may come under the nose from anywhere.
 
         Parameters
         ----------
@@ -354,9 +381,11 @@ class ImpactSetup:
         InputError : as `panel`
         """
         count = self._count_elements(resolved)
-        if not self.clamped:
+        if not self.keeps_its_middle:
             return replace(self, elements_per_crossover=count)
-        fine = [replace(one, elements_per_crossover=count) for one in self.kinds]
+        # uniform panels with free edges reach over all of their fabric
+        held = replace(self, boundary="clamped")
+        fine = [replace(one, elements_per_crossover=count) for one in held.kinds]
         if any(self.is_turned(ply) for ply in range(self.plies)):
             fine += [
                 replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1])

@@ -579,6 +579,7 @@ class PackSolver(ExplicitSolver):
             "stack": self.stack,
             "monitor": self.monitor.found,
             "slipping": self.monitor.slipping,
+            "coarse depth": self.monitor.coarse_depth,
         }
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import FloatArray
-from shellfabric.membrane import unzipping
+from shellfabric.membrane import coarse_fabric, unzipping
 
 OK = "ok"
 NOTED = "noted"
@@ -161,6 +161,11 @@ LIMITS = {
         1.0,
         "distance from the impact point to the furthest fabric under the projectile at the end, over the half width of "
         "the fine mesh, beyond which fabric does not touch the projectile",
+    ),
+    "coarse fabric in the nose": (
+        0.1,
+        "deepest that fabric from beyond the fine mesh, which does not touch the projectile, has been in "
+        "it, over its radius",
     ),
     "yarns an element": (1.0, "yarns per element side under the projectile"),
     "tension over cell table": (
@@ -371,11 +376,14 @@ class Monitor:
         squares of the node-to-node alternation of the tension and of the tension [N2]; furthest
         that the ply and those behind it have closed, over the thickness [-]
     slipping : (plies,) [-] largest share of the loaded crossings of a ply that would slip
+    coarse_depth : (plies,) [m] deepest that fabric from beyond the fine mesh has been in the
+        projectile
     """
 
     def __init__(self, solver: Any) -> None:
         self.found = np.zeros((len(solver.plies), 3))
         self.slipping = np.zeros(len(solver.plies))
+        self.coarse_depth = np.zeros(len(solver.plies))
         plies = solver.pack.plies
         self._places = [ply.nearest_lines for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
@@ -388,6 +396,7 @@ class Monitor:
             return  # about the nose there are yarns in the place of the panel's edges
         if len(solver.samples) % EVERY:
             return
+        self._sample_coarse_fabric(solver)
         if any(state.failures for state in solver.states):
             self._sample_slip(solver)
             return
@@ -396,6 +405,14 @@ class Monitor:
         ):
             sample(state, const, i, j, *light, row)
         self.found[:-1, -1] = solver.deepest
+
+    def _sample_coarse_fabric(self, solver):
+        """Keep how deep the fabric of each graded ply from beyond its first zone is in the
+        projectile."""
+        for p, (panel, const, state) in enumerate(solver.plies):
+            if panel.sides is not None:
+                depth = coarse_fabric.depth_in_nose(panel, const, state)
+                self.coarse_depth[p] = max(self.coarse_depth[p], depth)
 
     def _sample_slip(self, solver):
         """Keep the largest share of the crossings of each torn ply that would slip."""
@@ -467,6 +484,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         *worst(_mesh(ply, ply_const, broken) for ply, ply_const, _ in solver.plies),
         *_unzipping(solver, cut_yarns, energies),
         *_path(solver),
+        *_coarse_fabric(solver),
         *worst(_extrapolation(ply, state) for ply, _, state in solver.plies),
     ]
     found += solver.part_indicators
@@ -508,6 +526,14 @@ def _path(solver):
         if panel.sides is not None and const.window_follows
     ]
     return [indicator("path over fine mesh", max(shares))] if shares else []
+
+
+def _coarse_fabric(solver):
+    """The indicator of fabric that has come under the projectile from beyond the fine mesh."""
+    depth = solver.monitor.coarse_depth.max()
+    if depth == 0:
+        return []
+    return [indicator("coarse fabric in the nose", depth / solver.panel.projectile.radius)]
 
 
 def _mesh(panel, const, broken):

@@ -132,8 +132,8 @@ def index(difference: float, *, of_finer: bool = False) -> float:
 def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
     """Return the set-up with half the element side within REACH of the impact point, or further if
     the projectile needs it; of a graded mesh with half the side of the first zone, and all zones
-    twice as far out. All elements are halved if an edge is not clamped, since fabric from anywhere
-    may come under the projectile, and if the panel cannot be graded so.
+    twice as far out. All elements are halved if fabric from anywhere may come under the
+    projectile, and if the panel cannot be graded so.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
             f"at most {MOST_ELEMENTS // RATIO} elements per crossover, which the finer mesh doubles"
         )
         raise InputError(key=option("uncertainty", ""), value=asked, allowed=allowed)
-    if not setup.clamped:
+    if not setup.keeps_its_middle:
         return halve_elements(setup)
     reach = min(zones[0][0], REACH)
     # zones have to end where whole elements do, and beyond all that can come under the projectile

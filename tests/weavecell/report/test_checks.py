@@ -61,9 +61,11 @@ def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves(
         "assumed: yield_stress 0.41 MPa, hardening 0.0019 MPa, rate_exponent 0, reference_rate"
     )
     assert told.endswith(", of the block of gelatine 20 %")
-    for at_rest, said in (
-        (True, "back-face signature 9 mm (dent in the block at rest; deepest 12 mm at 640 µs)"),
-        (False, "no back-face signature yet: the block moves with 0.33 % of the strike energy or"),
+    moves = "no back-face signature yet: the block moves with 0.33 % of the strike energy or"
+    for outcome, at_rest, said, longer in (
+        ("stopped", True, "back-face signature 9 mm (dent in the block at rest; deepest 12 mm", ""),
+        ("stopped", False, moves, "; backing.after_stop lets it come to rest"),
+        ("in flight", False, moves, "; a longer run.end_time, and backing.after_stop, let it"),
     ):
         block = SimpleNamespace(
             at_rest=at_rest,
@@ -72,11 +74,14 @@ def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves(
             deepest_dent_time=640e-6,
         )
         energies = {"backing_kinetic": [1.0]}
-        shot = SimpleNamespace(backing=block, strike_energy=300.0, energies=energies)
+        shot = SimpleNamespace(
+            backing=block, strike_energy=300.0, energies=energies, outcome=outcome
+        )
         for name in ("block_motion", "block_moves", "back_face_signature_mm", "deepest_dent_mm"):
             setattr(shot, name, getattr(ImpactRecord, name).fget(shot))
         told = chapters_shot.dent(shot)
         assert told.startswith(said)
+        assert longer in told
         assert ("signature 12" in told) is False
         assert "12 mm at 640 µs" in told
 

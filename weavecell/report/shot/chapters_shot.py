@@ -622,9 +622,12 @@ def dent(record: ImpactRecord) -> str:
         signature = f"back-face signature {record.back_face_signature_mm:.3g} mm"
         return f"{signature} (dent in the block at rest; deepest {deepest})"
     moves = text(record.block_motion, "%", ".2g")
+    longer = "backing.after_stop lets it come to rest"
+    if record.outcome == "in flight":  # the time after the stop has not begun
+        longer = "a longer run.end_time, and backing.after_stop, let it come to rest"
     return (
         f"no back-face signature yet: the block moves with {moves} of the strike energy or its dent "
-        f"still changes (deepest so far {deepest}); backing.after_stop lets it come to rest"
+        f"still changes (deepest so far {deepest}); {longer}"
     )
 
 

@@ -1,0 +1,43 @@
+"""Look for fabric of a graded panel that has come under the projectile from beyond the fine mesh.
+
+Only what the contact window may hold (`Constants.window_limits`) touches the projectile, on a graded
+panel a part of the first zone. What lies further out passes through it if yarns that have failed, or
+whose ends are free, draw it in.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shellfabric.projectile import sdf_kernels
+
+
+def depth_in_nose(panel: Any, const: Any, state: Any) -> float:
+    """Compute the depth [m] in the projectile of the node from beyond the contact window that is
+    deepest in it; 0 where none is.
+
+    Parameters
+    ----------
+    panel, const, state : of one ply, in whose frame the projectile is
+    """
+    rows = const.ni + 1, const.nj + 1
+    used = (slice(0, rows[0] * const.row_stride),)
+    moved = [np.asarray(u)[used].reshape(rows[0], -1)[:, : rows[1]] for u in state.u]
+    along, across = (np.reshape(part, rows) for part in panel.coordinates())
+    places = np.stack([moved[0] + along, moved[1] + across, moved[2]], axis=-1)
+    outside = np.ones(rows, bool)
+    i0, i1, j0, j1 = const.window_limits
+    outside[i0 : i1 + 1, j0 : j1 + 1] = False
+    from_nose = (places[outside] - state.projectile_position) @ np.asarray(const.frame).T
+    widest = const.projectile_radius
+    if const.nose.kind == sdf_kernels.PROFILE:
+        widest = const.nose.profile.widest
+    # the distance of one place at a time is slow, and hardly any is in the cylinder
+    near = (np.hypot(*from_nose[:, :2].T) < widest) & (from_nose[:, 2] < 0.0)
+    depth = 0.0
+    for place in from_nose[near]:
+        gap, _ = sdf_kernels.distance(const.nose, tuple(place))
+        depth = max(depth, -gap)
+    return depth
