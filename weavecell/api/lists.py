@@ -228,10 +228,10 @@ def backings(*, out: FilePath | None = None) -> DataFrame:
 
 
 def _tabulate(kind, rows, out):
-    """The DataFrame of {name: {column: value}}, which is also written to `out` if that is given."""
-    from pandas import DataFrame
+    """The table of {name: {column: value}}, which is also written to `out` if that is given."""
+    from weavecell.results.readable import ReadableTable
 
-    table = DataFrame.from_dict(rows, orient="index").rename_axis(kind)
+    table = ReadableTable.from_dict(rows, orient="index").rename_axis(kind)
     if out is not None:
         files.refuse_existing(out)
         files.write(out, table.to_csv(float_format="%.6g"))

@@ -62,11 +62,11 @@ class Result:
 
     def checks_table(self) -> DataFrame:
         """Return the quality checks as a table: name, value, limit, unit, status and meaning."""
-        from pandas import DataFrame
+        from weavecell.results.readable import ReadableTable
 
         columns = ("name", "value", "limit", "unit", "status", "meaning")
         rows = [[getattr(check, column) for column in columns] for check in self.checks]
-        return DataFrame(rows, columns=list(columns))
+        return ReadableTable(rows, columns=list(columns))
 
     def warn(self) -> None:
         """Warn with the category `DoubtfulResult` if the result is doubtful."""

@@ -1,5 +1,7 @@
 """What a result is in one line, what it prints, and what a wrong object in its place is told."""
 
+import html
+
 import pytest
 
 import weavecell as wc
@@ -116,3 +118,14 @@ def test_numbers_below_a_million_have_no_exponent(value, form, text):
 
 def test_an_energy_over_an_areal_density_has_its_unit():
     assert keys.infer_key("a_specific_energy_J_m2_kg").label == "a specific energy [J m2/kg]"
+
+
+def test_tables_show_whole_texts_and_four_digits(shot):
+    checks = shot.checks_table()
+    assert "..." not in checks._repr_html_()
+    assert max(checks["meaning"], key=len) in html.unescape(checks._repr_html_())
+    fabrics = wc.fabrics().head(2)
+    assert fabrics["warp count [1/cm]"]["S-726"] == pytest.approx(10.2362204, abs=1e-7)
+    for shown in (fabrics._repr_html_(), repr(fabrics)):
+        assert "10.24" in shown
+        assert "10.236" not in shown
