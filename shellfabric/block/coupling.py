@@ -319,7 +319,9 @@ class BackingCoupling(Part):
         floor = self._on_floor()
         gap = float((-points.inside[floor]).min(initial=np.inf))
         depth = dent.deepest(self.block.depth_map())
-        touched = points.force[floor | ~self._free].any() or self.block.row.nose_force.any()
+        # a pack that is held may press on the rim for good, and keep down a dent that springs back
+        seen = floor if self._free else np.ones_like(floor)
+        touched = bool(points.force[seen].any() or self.block.row.nose_force.any())
         hand_over = self.hand_over
         if gap > hand_over.gap and not touched:
             hand_over.growing += 1

@@ -6,11 +6,13 @@ from types import SimpleNamespace
 import numba
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 from fabrics import backings
 from shellfabric.block import coupling, dent
-from shellfabric.block.block import Backing
+from shellfabric.block.block import Backing, Block
 from shellfabric.impact.result import collect_result
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
@@ -63,7 +65,7 @@ def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, m
 
     def keep(solver):
         for name, due in (
-            ("before", solver.time > 30e-6),
+            ("before", solver.time > 15e-6),
             ("after", solver.fabric_ended and solver.time > solver.alone_from + 30e-6),
         ):
             if due and name not in kept:
@@ -73,7 +75,7 @@ def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, m
     alone = run_impact(setup, hooks=(keep,))
     block = alone.backing
     assert alone.outcome == "stopped"
-    assert 30e-6 < block.alone_from < 0.6 * alone.time[-1]
+    assert 20e-6 < block.alone_from < 0.6 * alone.time[-1]
     assert alone.time[-1] > alone.time[np.argmax(alone.velocity <= 0)] + BLOCK.after_stop
     ended = alone.time >= block.alone_from
     assert np.count_nonzero(ended) > 3
@@ -87,7 +89,8 @@ def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, m
     # what the block holds and loses stays the same, through the hand-over and in its longer steps
     of_block = sum(values for name, values in alone.energies.items() if "backing_" in name)
     assert of_block[ended][0] > 0.4 * alone.strike_energy
-    assert abs(of_block[ended] - of_block[ended][0]).max() < 3e-4 * alone.strike_energy
+    lost = abs(of_block[ended] - of_block[ended][0]).max()
+    assert lost < 1e-3 * alone.energies["backing_kinetic"][ended][0]
 
     for path in kept.values():
         solver = PackSolver(setup.target(), 60.0, setup.end_time)
@@ -103,6 +106,16 @@ def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, m
     for name, energy in alone.energies.items():
         assert_array_equal(shared.energies[name], energy, err_msg=name)
 
+    # what it does lose is an error of its steps
+    usual = Block.alone_step.fget
+    with monkeypatch.context() as patch:
+        patch.setattr(Block, "alone_step", property(lambda block: 0.25 * usual(block)))
+        finer = run_impact(setup)
+    assert finer.backing.alone_from == block.alone_from
+    of_block = sum(values for name, values in finer.energies.items() if "backing_" in name)
+    ended = finer.time >= block.alone_from
+    assert abs(of_block[ended] - of_block[ended][0]).max() < 0.5 * lost
+
     monkeypatch.setattr(coupling, "APART", 10**9)
     together = run_impact(replace(setup, end_time=0.108e-3))
     assert np.isnan(together.backing.alone_from)
@@ -114,6 +127,62 @@ def test_the_block_goes_on_alone_behind_a_pack_that_has_left(fabric, tmp_path, m
     depths = [np.interp(at, one.time, one.dent) for one in (block, both)]
     assert depths[0] == pytest.approx(depths[1], rel=5e-3)
     assert depths[0] > 1.7 * np.interp(block.alone_from, block.time, block.dent)
+
+
+def leaves_at(gaps, touched, depth):
+    """The sample at which a pack has left a dent, from all samples so far; None if it has not."""
+    # at rest the distance is 0, and the first sample is beyond
+    before = [0.0, *gaps]
+    for end in range(coupling.APART - 1, len(gaps)):
+        last = range(end - coupling.APART + 1, end + 1)
+        grown = all(gaps[k] > before[k] and not touched[k] for k in last)
+        if grown and gaps[end] > coupling.FAR * depth:
+            return end
+    return None
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    steps=st.lists(
+        st.sampled_from([1e-4] * 9 + [0.0, -1e-4, -5e-4]),
+        min_size=coupling.APART,
+        max_size=5 * coupling.APART,
+    ),
+    touches=st.sets(st.integers(1, 5 * coupling.APART), max_size=2),
+    depth=st.sampled_from([1e-3, 30e-3]),
+    free=st.booleans(),
+)
+def test_a_pack_has_left_once_it_moves_away_at_as_many_samples_in_a_row(
+    steps, touches, depth, free
+):
+    """A sample at which it comes nearer, or touches, begins the count anew. Of a free pack the floor
+    counts, of one that is held the rim too."""
+    gaps = np.cumsum([2e-3, *steps])
+    touched = [k in touches for k in range(len(gaps))]
+    points = SimpleNamespace(inside=np.zeros(4), force=np.zeros((4, 3)), x=np.zeros((4, 3)))
+    block = SimpleNamespace(
+        points=points,
+        depth_map=lambda: np.full((1, 1, 3), depth),
+        row=SimpleNamespace(nose_force=np.zeros(3)),
+        backing=SimpleNamespace(standoff=0.0),
+    )
+    part = SimpleNamespace(
+        block=block,
+        hand_over=coupling.HandOver(**coupling.HandOver.totals()),
+        thickness=1e-4,
+        _free=free,
+        _on_floor=lambda: np.array([True, False, False, False]),
+    )
+    found = None
+    for number, gap in enumerate(gaps):
+        points.inside[:] = -gap, 1e-3, 1e-3, 1e-3
+        points.force[0, 2] = -5.0 * touched[number]
+        # on the rim a free pack always presses, a held one in its turn alone
+        points.force[1, 2] = -7.0 * (free or touched[number])
+        points.force[3, 2] = -7.0 * free
+        if found is None and coupling.BackingCoupling.has_left(part, None):
+            found = number
+    assert found == leaves_at(gaps, touched, depth)
 
 
 def test_a_pack_that_is_held_keeps_down_the_rim(fabric):
