@@ -109,7 +109,6 @@ class Execution:
                 near = nearest(key, cls.__dataclass_fields__, 0.6)
                 hint = f", did you mean {near}?" if near else ""
                 names = ", ".join(cls.__dataclass_fields__)
-                names = ", ".join(cls.__dataclass_fields__)
                 message = f"is not a keyword of {function}{hint or ';'} allowed here: {names}"
                 raise InputError(message, key=key, value=options[key])
         return cls(**options)
