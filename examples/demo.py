@@ -95,7 +95,13 @@ def main(folder: str = "results/demo", size: str = "medium") -> None:
     )
     page.write(report, out / "report.html")
     page.write_pictures(sections, out / "pictures")
-    print(solved.law, *map(repr, shots), f"report: {out / 'report.html'}", sep="\n")
+    print("S-720, compression law of its 3D crossover:", *cards[-1].lines, sep="\n  ")
+    print("One ply, 203 mm, struck by a flat cylinder of 3 g:")
+    for (velocity, _), record, shot in zip(cases, records, shots):
+        outcome, source = TARGETS[velocity]
+        left = f"{shot.outcome}, residual velocity {shot.residual_velocity:.4g} m/s"
+        print(f"  {record.title}: {left} ({source}: {outcome})")
+    print(f"report: {out / 'report.html'}")
 
 
 if __name__ == "__main__":
