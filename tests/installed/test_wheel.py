@@ -52,7 +52,8 @@ def test_kernels_of_the_wheel_are_those_that_its_source_looks_for(built, install
         there = {
             path.name for path in (installed.packages / package).glob("__pycache__/kernels-*/*.nbi")
         }
-        assert compiled and compiled <= there
+        assert compiled
+        assert compiled <= there
 
 
 PLY = impact_scene("60 m/s", "20 mm", "10 us", run='snapshot_interval = "5 us"').replace(

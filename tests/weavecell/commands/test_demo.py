@@ -43,7 +43,8 @@ def test_demonstration(tmp_path):
             left = f"residual velocity {record.residual_velocity:.4g} m/s"
             assert f"{velocity} m/s, {law} law: {outcome}, {left} (thesis Figure" in done.stdout
     # lines for a reader, no repr
-    assert "(a=" not in done.stdout and "Result(" not in done.stdout
+    assert "(a=" not in done.stdout
+    assert "Result(" not in done.stdout
     law = CompressionLaw.from_json(tmp_path / "demo" / "calibration" / "law.json")
     text = (tmp_path / "demo" / "report.html").read_text("utf-8")
     assert f"a = {1e3 * law.a:.4f} mm" in text
