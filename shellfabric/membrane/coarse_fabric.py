@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from shellfabric.membrane.slots import places_of_nodes
 from shellfabric.projectile import sdf_kernels
 
 
@@ -22,12 +23,8 @@ def depth_in_nose(panel: Any, const: Any, state: Any) -> float:
     ----------
     panel, const, state : of one ply, in whose frame the projectile is
     """
-    rows = const.ni + 1, const.nj + 1
-    used = (slice(0, rows[0] * const.row_stride),)
-    moved = [np.asarray(u)[used].reshape(rows[0], -1)[:, : rows[1]] for u in state.u]
-    along, across = (np.reshape(part, rows) for part in panel.coordinates())
-    places = np.stack([moved[0] + along, moved[1] + across, moved[2]], axis=-1)
-    outside = np.ones(rows, bool)
+    places = places_of_nodes(panel, const, state)
+    outside = np.ones(places.shape[:2], bool)
     i0, i1, j0, j1 = const.window_limits
     outside[i0 : i1 + 1, j0 : j1 + 1] = False
     from_nose = (places[outside] - state.projectile_position) @ np.asarray(const.frame).T

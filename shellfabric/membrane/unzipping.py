@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from shellfabric.membrane.slots import by_node
+from shellfabric.membrane.slots import by_node, places_of_nodes
 from shellfabric.state import Constants, State
 
 LOADED = 0.1  # of the strength: tensions of both yarns of a crossing below it do not count
@@ -31,8 +31,7 @@ def slipping_crossings(panel: Any, const: Constants, state: State) -> tuple[int,
     ------
     KeyError : a cell without the force between its yarns, that of a response surface
     """
-    places = np.stack([*panel.coordinates(), np.zeros((const.ni + 1, const.nj + 1))])
-    places += np.stack([by_node(part, const) for part in state.u])
+    places = np.moveaxis(places_of_nodes(panel, const, state), -1, 0)
     pulls, carried, stretches, loads, directions = [], [], [], [], []
     for family in range(2):
         along = np.moveaxis(places, 1 + family, 1)

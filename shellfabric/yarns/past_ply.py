@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
-from shellfabric.membrane.slots import by_element, by_node
+from shellfabric.membrane.slots import by_element, places_of_nodes
 from shellfabric.state import ERODED, Constants, State
 from shellfabric.yarns.state import Zone
 
@@ -58,9 +58,7 @@ def nodes_past(
 def surface_of(panel: Any, const: Constants, state: State) -> tuple[FloatArray, FloatArray]:
     """Return the places (n, 3) [m] of the nodes of a ply that elements join, in the pack's frame,
     from the ply's plane at rest, and the unit normals (n, 3) there, along the shot."""
-    rest = panel.coordinates()
-    moved = [by_node(part, const) for part in state.u]
-    places = np.stack([rest[0] + moved[0], rest[1] + moved[1], moved[2]], axis=-1)
+    places = places_of_nodes(panel, const, state)
     along, across = np.gradient(places, axis=(0, 1))
     normals = np.cross(along, across)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
