@@ -310,10 +310,12 @@ def friction_between_yarns(*fabrics: Fabric) -> Entry:
     Of several fabrics it is the value of the first, in the range of all.
     """
     usual = entries()[FRICTION_BETWEEN_YARNS]
-    families = list(map(family_of, fabrics)) or [None]
-    of_each = [
-        usual if of is None else of.shots.get(FRICTION_BETWEEN_PLIES, usual) for of in families
-    ]
+    of_each = []
+    for family in map(family_of, fabrics):
+        own = {} if family is None else family.shots
+        of_each.append(own.get(FRICTION_BETWEEN_PLIES, usual))
+    if not of_each:
+        return usual
     low = min(each.low for each in of_each)
     high = max(each.high for each in of_each)
     return replace(of_each[0], low=low, high=high)

@@ -201,7 +201,7 @@ def find_family(text: str) -> Family | None:
     longest = 0
     for family in list_families():
         for name in map(_bare, (family.name, *family.known_as)):
-            # the longest: polyethylene terephthalate is no polyethylene
+            # the longest: polyethylene terephthalate is not a polyethylene
             if wanted.startswith(name) and len(name) > longest:
                 found = family
                 longest = len(name)

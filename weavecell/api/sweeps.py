@@ -269,15 +269,15 @@ def _say_key(key):
 
 
 def _hint_at_key(name, values):
-    """What to write for a name that is no key of an input file with its table."""
+    """What to write for a name that is not a key of an input file with its table."""
     listed = list(values) if isinstance(values, (list, tuple)) else [values]
     known = {"velocity": "projectile.strike_velocity"}
     for key, table in keywords.tables().items():
         known[key] = f"{table}.{key}" if table else key
     if near := nearest(name, known, 0.7):
-        return f"is no key of an input file, did you mean {_over(known[near], listed)}?"
+        return f"is not a key of an input file, did you mean {_over(known[near], listed)}?"
     example = _over("panel.opening", ["150 mm", "200 mm"])
-    return f"is no key of an input file; a key has its table before it, such as {example}"
+    return f"is not a key of an input file; a key has its table before it, such as {example}"
 
 
 OVER = 'KEY=VALUE,VALUE,... such as "panel.plies=2,4,8"'
