@@ -188,6 +188,26 @@ def test_tables_and_figures_of_studies_are_in_their_files(tool, page, kind, name
         assert axes.get_xlabel() != "fabric" or axes.get_xticklabels()[0].get_text() == "S-720"
 
 
+def test_a_line_of_a_figure_is_of_the_rows_that_its_legend_names(tool):
+    """The title of the legend has the columns of its labels, in their order."""
+    pages = tool("study_pages")
+    compared = 0
+    for name in {name for _, kind, name, _ in STUDIES if kind == "figure"} - {"measured"}:
+        [axes, *_] = pages.draw(name).axes
+        legend = axes.get_legend()
+        asked = pages.picture(name)
+        if legend is None or not legend.get_title().get_text() or isinstance(asked["y"], list):
+            continue
+        columns = legend.get_title().get_text().split(", ")
+        for line in axes.lines:
+            values = line.get_label().split(", ")
+            rows = [row for row in pages.read(name)[1] if [row[key] for key in columns] == values]
+            expected = [float(row[asked["y"]]) for row in rows]
+            assert list(line.get_ydata()) == expected != [], (name, line.get_label())
+            compared += 1
+    assert compared > 6
+
+
 def test_every_page_that_data_and_code_name_is_there():
     """But those of tables that are kept from pages until a stated date."""
     named = {}

@@ -53,6 +53,17 @@ def test_the_depth_of_coarse_fabric_is_that_of_its_node_in_the_nose(symmetry, be
     assert check.doubtful
 
 
+def test_the_deepest_of_all_samples_counts():
+    solver = PackSolver(make_setup(grading=ZONES).target(), 60.0, 1e-6)
+    (_, end, j0, j1) = solver.const.window_limits
+    seen = []
+    for depth in (0.31e-3, 0.7e-3, 0.11e-3):
+        put_in_the_nose(solver, (end + 1, (j0 + j1) // 2), depth, 1.9e-3)
+        solver.monitor._sample_coarse_fabric(solver)
+        seen.append(solver.monitor.coarse_depth.max())
+    assert seen == pytest.approx([0.31e-3, 0.7e-3, 0.7e-3], rel=1e-9)
+
+
 @pytest.mark.parametrize(
     "mesh, beyond", [({"grading": ZONES}, 0), ({"elements_per_crossover": 1}, 1)]
 )
