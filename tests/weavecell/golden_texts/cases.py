@@ -1,0 +1,207 @@
+"""What users read of each command: lines of the terminal, the folder, the page, and results as Python shows them.
+
+Numbers of files stand with three digits, which all processors give; dates, times, versions and places are masked.
+"""
+
+import contextlib
+import csv
+import io
+import json
+import re
+import shlex
+import tempfile
+import tomllib
+from html import unescape
+from math import sin
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+import weavecell as wc
+from tests.scene_text import toml
+from tests.weavecell.session_runs import small_calibration
+
+HERE = Path(__file__).parent
+_TABLES = tomllib.loads((HERE / "cases.toml").read_text("utf-8"))
+CASES = _TABLES["case"]
+TESTS = """velocity [m/s], outcome, residual velocity [m/s]
+90, PP, 0
+120, CP, 31
+105, CP, 12
+112, PP, 0
+150, CP, 101
+"""
+# values that differ from run to run, by the names of their keys
+CHANGING = re.compile(
+    r"step_time|wall|cpu|second|date|commit|version|python|platform|provenance|seconds_of|sha"
+)
+MASKED = [
+    (re.compile(r"\d[\d.]*(e-?\d+)? s(econds)?(?= |$|,|;|\))(?! of CPU)"), "? s"),
+    (re.compile(r"\b20\d\d-\d\d-\d\d([T ]\d\d:\d\d(:\d\d)?)?\S*"), "DATE"),
+    (re.compile(r"\b[0-9a-f]{7,64}\b(?<![0-9]{7})"), "DIGEST"),
+    (re.compile(r"(?<=weavecell )\d+\.\d+\.\d+\S*"), "VERSION"),
+]
+FLOAT = re.compile(r"-?\d+\.\d+(?:e[+-]?\d+)?")
+
+
+@contextlib.contextmanager
+def invented():
+    """Shots of studies, and patches, are invented: a limit that is a little blurred."""
+    from weavecell.studies import ballistic_limit, small_patch
+
+    def fire(_, velocity, __, stops_below=0.0):
+        limit = 104.0 + 3.0 * sin(17.0 * velocity)
+        residual = max(velocity**2 - limit**2, 0.0) ** 0.5
+        outcome = "stopped"
+        if residual:
+            outcome = "perforated"
+        tension = 90.0 + velocity, 70.0 - 0.1 * velocity
+        return ballistic_limit.Shot(
+            velocity, residual, outcome, 1e-2 / velocity, 3.0, tension, 1e-5 * velocity, 0.5
+        )
+
+    def strike(patch):
+        t = np.linspace(0.0, patch.duration, 21)
+        for k, model in enumerate(small_patch.MODELS):
+            v = patch.shot.strike_velocity * (1 - (0.2 + 0.01 * k) * t / patch.duration)
+            z = np.cumsum(v) * t[1]
+            yield lambda m=model, v=v, z=z, k=k: small_patch.Struck(
+                m, t, v, z, (k + 1) * 4e-6, 1e-3 * (k + 1), 100 + k, 0.25
+            )
+
+    with (
+        mock.patch.object(ballistic_limit, "_fire", fire),
+        mock.patch.object(small_patch.SmallPatch, "strike", strike),
+    ):
+        yield
+
+
+def write(names):
+    """Write the texts of some cases to texts/."""
+    (HERE / "texts").mkdir(exist_ok=True)
+    for name in names:
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            (HERE / "texts" / f"{name}.txt").write_text(text_of(name), "utf-8")
+
+
+def text_of(name):
+    """The text of a case, which is run in this folder."""
+    case = CASES[name]
+    for scene in case.get("scenes", ()):
+        Path(f"{scene}.toml").write_text(toml(_TABLES["scene"][scene]))
+    Path("tests.csv").write_text(TESTS)
+    parts = []
+    smaller = contextlib.nullcontext()
+    if name == "calibrate":
+        smaller = small_calibration()
+    with invented(), smaller:
+        for line in case["lines"]:
+            parts += [f"$ weavecell {line}", *_printed(line)]
+        if "out" in case:
+            parts += _folder(Path(case["out"]))
+        for expression in case.get("python", ()):
+            parts += [f">>> {expression}", *_shown(expression)]
+    return "\n".join(_mask(line).rstrip() for part in parts for line in part.splitlines()) + "\n"
+
+
+def _printed(line):
+    """What a command prints, errors behind the rest, and its exit code."""
+    from weavecell.cli import app
+
+    out = io.StringIO()
+    err = io.StringIO()
+    code = None
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            app.main(shlex.split(line))
+        except SystemExit as leaving:
+            code = leaving.code
+    errors = [f"! {line}" for line in err.getvalue().splitlines() if not line.startswith("\r")]
+    return [out.getvalue().rstrip("\n"), *errors, f"[exit code {code}]"]
+
+
+def _shown(expression):
+    """A result as Python and a notebook show it."""
+    out = io.StringIO()
+    # what is assumed is logged, and tested with the lines of commands
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
+        result = eval(expression, {"wc": wc})
+        table = result.to_dataframe()
+        # the picture has its own tests
+        drawn = mock.Mock()
+        drawn._repr_png_ = lambda: b""
+        with mock.patch.object(type(result), "plot", return_value=drawn, create=True):
+            notebook = result._repr_html_()
+    summary = json.dumps(_rounded(result.summary()), indent=1, ensure_ascii=False, default=str)
+    yield f"repr: {result!r}"
+    yield f"str: {result}"
+    yield f"summary: {summary}"
+    yield f"table: {len(table)} rows of {', '.join(map(str, table))}"
+    yield "notebook, beside the above:"
+    yield "\n".join(line for line in _sentences(notebook) if line not in str(result))
+
+
+def _folder(folder):
+    """The files of a folder, and what is in those of text."""
+    files = [p.relative_to(folder) for p in sorted(folder.rglob("*")) if p.is_file()]
+    named = [re.sub(r"[0-9a-f]{16,}", "DIGEST", path.as_posix()) for path in files]
+    yield "files: " + " ".join(dict.fromkeys(named))
+    for path in files:
+        text = ""
+        if path.suffix in (".json", ".csv", ".html", ".svg") and path.parts[0] != "runs":
+            text = (folder / path).read_text("utf-8")
+        if path.suffix == ".json":
+            content = json.dumps(_rounded(json.loads(text)), indent=1, sort_keys=True)
+            yield f"== {path}\n{content}"
+        elif path.suffix == ".csv":
+            yield f"== {path}"
+            for row in csv.reader(text.splitlines()[:4]):
+                yield ", ".join(FLOAT.sub(_three_digits, value) for value in row)
+            yield f"{len(text.splitlines())} lines"
+        elif path.suffix == ".html":
+            yield f"== {path}\n" + "\n".join(_sentences(text))
+        elif path.suffix == ".svg":
+            yield f"== {path}: " + " | ".join(sorted(_drawn(text)))
+
+
+def _drawn(svg):
+    """The words in a picture: texts, or comments beside the outlines of letters; numbers of axes are left out."""
+    texts = re.findall(r"<!-- (.*?) -->", svg) + re.findall(r"<text[^>]*>(.*?)</text>", svg, re.S)
+    words = {" ".join(unescape(re.sub(r"<[^>]*>", "", text)).split()) for text in texts}
+    return {text for text in words if re.search(r"[A-Za-z]", text)}
+
+
+def _sentences(page):
+    """What a page says, a line each, without the cells of its tables."""
+    page = re.sub(r"<(script|style|svg|td|th)\b.*?</\1>", "", page, flags=re.S)
+    page = re.sub(r"</?(abbr|b|i|em|sub|sup|a|span|code)\b[^>]*>", "", page)
+    parts = [" ".join(unescape(part).split()) for part in re.split(r"<[^>]*>", page)]
+    lines = [FLOAT.sub(_three_digits, part) for part in parts if part.count(" ") > 2]
+    return list(dict.fromkeys(lines))
+
+
+def _rounded(value):
+    """JSON with three digits, and without what differs from run to run."""
+    if isinstance(value, dict):
+        return {
+            str(key): "?" if CHANGING.search(str(key)) else _rounded(one)
+            for key, one in value.items()
+        }
+    if isinstance(value, (list, tuple)):
+        return [_rounded(one) for one in value]
+    if isinstance(value, float):
+        return float(f"{value:.3g}")
+    if isinstance(value, np.ndarray):
+        return _rounded(value.tolist())
+    return value
+
+
+def _three_digits(found):
+    return f"{float(found[0]):.3g}"
+
+
+def _mask(line):
+    for pattern, word in MASKED:
+        line = pattern.sub(word, line)
+    return line
