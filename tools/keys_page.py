@@ -66,7 +66,7 @@ def page() -> str:
     ]
     parts += ["## Keys of result files", "A `*` stands for a name or number that the run gives."]
     for title, table in RESULTS.items():
-        rows = [(f"`{key.name}`", key.si_unit, key.meaning) for key in table]
+        rows = [(f"`{key.name}`", key.si_unit, key.meaning) for key in table if not key.of]
         parts += [
             f"### {title}",
             *([NOTES[title]] if title in NOTES else []),

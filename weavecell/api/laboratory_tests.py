@@ -17,6 +17,7 @@ Of tests alone
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -24,17 +25,19 @@ from typing import TYPE_CHECKING, Any, Unpack
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import limits, quantities, study_run
-from weavecell.api.execution import Execution, ResumableSearchKeywords
+from weavecell.api import limits, quantities
+from weavecell.api.command import Plan, Running, command
+from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import save_to
+from weavecell.api.run_size import StudySize, WorkSize
 from weavecell.api.study_result import DrawnResult, StudyResult
 from weavecell.api.target import resolve_target
-from weavecell.results import out_folder, progress
+from weavecell.results import out_folder
 from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.quality import Indicator
@@ -48,15 +51,104 @@ OF_TESTS = ("tests.json", "shots.csv", "tests.svg")
 NAMES = ("comparison.json", "shots.csv", "comparison.svg", "scene.toml", "report.html")
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class ReductionPlan(Plan["TestsResult"]):
+    """Tests that are reduced alone.
+
+    Parameters
+    ----------
+    fired : table of the tests
+    tests : name of their file
+    """
+
+    files = OF_TESTS
+
+    fired: DataFrame
+    tests: str
+
+    def run(self, running: Running) -> TestsResult:
+        """Compute their statistics."""
+        from weavecell.studies import laboratory_tests as studies
+
+        return running.save(TestsResult(studies.reduce(self.fired), self.tests))
+
+    def forecast(self) -> WorkSize:
+        """Count the tests: nothing is fired."""
+        return WorkSize(self.tests, {"tests": len(self.fired)})
+
+
+@dataclass(frozen=True)
+class BesideShotsPlan(Plan["TestsBesideShots"]):
+    """Tests beside which shots are computed.
+
+    Parameters
+    ----------
+    target : Target
+    fired, tests : as of `ReductionPlan`
+    tolerance : [m/s] of the bracket of the computed limit
+    """
+
+    files = NAMES
+
+    target: Target
+    fired: DataFrame
+    tests: str
+    tolerance: float
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """The set-up."""
+        from weavecell.studies import inputs
+
+        return [inputs.use_one_thread(self.target.setup, strike_velocity=1.0)]
+
+    @property
+    def strikes(self) -> list[float]:
+        """[m/s] of the tests, each once."""
+        return sorted(set(self.fired["velocity"].tolist()))
+
+    def forecast(self) -> StudySize:
+        """Forecast the shots of the tests, and those of the search."""
+        panel = self.target
+        fired = len(self.strikes)
+        return StudySize.estimate(panel.setup, panel.title, fired, 1, tolerance=self.tolerance)
+
+    def run(self, running: Running) -> TestsBesideShots:
+        """Search the limit, and fire at the velocities of the tests."""
+        from shellfabric.membrane import quality
+        from weavecell.studies import ballistic_limit
+        from weavecell.studies import laboratory_tests as studies
+
+        struck = self.target.setup.target()
+        kept = ballistic_limit.KeptShots(running.kept, self.target.setup)
+        beside = {"kept": kept, **running.how.pool}
+        with running.stage(f"{self.target.title}, critical velocity") as report:
+            limit = ballistic_limit.critical_velocity(
+                struck, tolerance=self.tolerance, report=report, **beside
+            )
+        strikes = self.strikes
+        with running.stage("Shots of the tests") as report:
+            shots = ballistic_limit.shoot(struck, strikes, report=report, **beside)
+        computed = [shots[strikes.index(velocity)] for velocity in self.fired["velocity"]]
+        found = studies.compare(self.fired, computed, limit)
+        worst = quality.worst(shot.checks for shot in computed)
+        return running.save(TestsBesideShots(self.target, found, self.tests, worst))
+
+    def give_up(self, running: Running, problem: BaseException) -> None:
+        """Write the shots so far, and the input."""
+        limits.keep(running.ended, problem, self.target, running.folder)
+
+
+@command(BesideShotsPlan, ReductionPlan)
 @explain_keywords(ResumableSearchKeywords, Keywords)
 def reduce_tests(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup | None = None,
     *,
     tolerance: float | str = "1 m/s",
+    check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
-) -> TestsBesideShots | TestsResult:
+) -> Plan[TestsBesideShots | TestsResult]:
     """Reduce the shots of a laboratory, and put them beside computed ones: V50 and residual
     velocities, with intervals.
 
@@ -82,6 +174,7 @@ def reduce_tests(
         or a Fabric.
         Left out, the tests alone are reduced
     tolerance : highest stop and lowest perforation differ by this at most [m/s]
+    check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
     Returns
@@ -101,47 +194,16 @@ def reduce_tests(
     >>> comparison.comparison.agree
     2
     """
-    from shellfabric.membrane import quality
-    from weavecell.studies import ballistic_limit, inputs
     from weavecell.studies import laboratory_tests as studies
 
     width = quantities.read_positive(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
-    how, keys = Execution.split(options)
     if target is None:
-        for key in keys:
+        for key in options:
             raise InputError(key=key, allowed="left out if nothing is shot at")
-        with out_folder.hold(how.out, OF_TESTS, how.resume) as folder:
-            return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
-    panel = resolve_target(target, keys, honoured.LIMITS, function="reduce_tests")
-    fired_at = inputs.use_one_thread(panel.setup, strike_velocity=1.0)
-    with (
-        out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
-        study_run.keep_runs(folder, how.resume) as runs,
-        limits.keep_shots(panel, folder) as ended,
-        panel.name_problems(),
-    ):
-        struck = panel.setup.target()
-        kept = ballistic_limit.KeptShots(folder and runs, panel.setup)
-
-        def report_to(advance):
-            def report(share, shot):
-                ended.append(shot)
-                advance(share)
-
-            return how.pool | {"report": report, "kept": kept}
-
-        with progress.bar(f"{panel.title}, critical velocity") as advance:
-            limit = ballistic_limit.critical_velocity(struck, tolerance=width, **report_to(advance))
-        with progress.bar("Shots of the tests") as advance:
-            strikes = sorted(set(fired["velocity"].tolist()))
-            shots = ballistic_limit.shoot(struck, strikes, **report_to(advance))
-        computed = [shots[strikes.index(velocity)] for velocity in fired["velocity"]]
-        checks = quality.worst(shot.checks for shot in computed)
-        compared = studies.compare(fired, computed, limit)
-        result = save_to(TestsBesideShots(panel, compared, str(tests), checks), folder)
-    result.warn()
-    return result
+        return ReductionPlan(fired, str(tests))
+    panel = resolve_target(target, options, honoured.LIMITS, function="reduce_tests")
+    return BesideShotsPlan(panel, fired, str(tests), width)
 
 
 @dataclass(frozen=True, repr=False)

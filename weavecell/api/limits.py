@@ -13,12 +13,9 @@ The folder of `weavecell critical-velocity`
 from __future__ import annotations
 
 import logging
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -30,18 +27,19 @@ from fabrics.base.errors import (
     UndecidedError,
     UnstableError,
     WeavecellError,
-    interrupts,
 )
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, quantities, study_run
-from weavecell.api.execution import Execution, ResumableSearchKeywords
+from weavecell.api import keywords, quantities
+from weavecell.api.command import Plan, Running, command
+from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import save_to
 from weavecell.api.run_size import StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import checks
-from weavecell.results import out_folder, progress
+from weavecell.report.pictures_style import BLUE, GREEN, ORANGE, RED
+from weavecell.report.plot import Layer, Plot
+from weavecell.results import one_table, out_folder, progress
 from weavecell.results.left_out import SAMPLING, LeftOut, brief_words
 from weavecell.scenes import honoured
 
@@ -59,19 +57,24 @@ if TYPE_CHECKING:
 
 __all__ = ["CriticalVelocityResult", "critical_velocity"]
 
-_CSV = {  # heading: column of `to_dataframe`, format
-    "strike velocity [m/s]": ("strike_velocity_m_s", "{:.4f}"),
-    "outcome": ("outcome", "{}"),
-    "residual velocity [m/s]": ("residual_velocity_m_s", "{:.4f}"),
-    "time [s]": ("end_time_s", "{:.6e}"),
-    "cut yarns": ("cut_yarns", "{:.1f}"),
-    "peak warp tension [N]": ("peak_tension_warp_N", "{:.3f}"),
-    "peak weft tension [N]": ("peak_tension_weft_N", "{:.3f}"),
-    "energy error [-]": ("energy_error_max", "{:.3e}"),
-    "checks": ("checks", "{}"),
+# columns of shots.csv, in its order
+_CSV = (
+    "strike_velocity_m_s",
+    "outcome",
+    "residual_velocity_m_s",
+    "end_time_s",
+    "cut_yarns",
+    "peak_tension_warp_N",
+    "peak_tension_weft_N",
+    "energy_error_max",
+    "checks",
+)
+
+
+LOOK_OF = {
+    "perforated": {"color": RED, "mec": "white"},
+    "stopped": {"mfc": "white", "mec": GREEN, "mew": 1.8},
 }
-
-
 # shots beside the bracket that look for mixed outcomes, at most
 LOOKS = 2
 NAMES = (
@@ -83,7 +86,135 @@ NAMES = (
 )
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class LimitPlan(Plan["CriticalVelocityResult"]):
+    """What a search of a limit is about to do.
+
+    Parameters
+    ----------
+    target : Target
+    tolerance : [m/s] of the bracket; None of a pack, that of `usual_tolerance`
+    v50_shots, residual_shots : numbers of shots
+    scan : ScanRange, or None
+    only_mixed : whether it is scanned only where outcomes mix
+    over : what is changed for the range over what is assumed; None without one
+    assumed_range : as it was asked for
+    """
+
+    files = NAMES
+
+    target: Target
+    tolerance: float | None
+    v50_shots: int
+    residual_shots: int
+    scan: ScanRange | None
+    only_mixed: bool
+    over: Any
+    assumed_range: bool | str
+
+    @property
+    def pinned(self) -> Target:
+        """The target that is shot at first."""
+        from weavecell.studies import choice
+
+        if self.target.setup.instead is None:
+            return self.target
+        return replace(self.target, setup=choice.with_pinned(self.target.setup))
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """The set-up: any of its searches go on from the same shots."""
+        from weavecell.studies import inputs
+
+        return [inputs.use_one_thread(self.target.setup, strike_velocity=1.0)]
+
+    def forecast(self) -> StudySize:
+        """Forecast shots and CPU time."""
+        from weavecell.studies import assumed_range as ranges
+        from weavecell.studies import limit as limits
+
+        fired = self.residual_shots + self.v50_shots
+        if self.scan is not None:
+            steps = round((self.scan.above + self.scan.below) / self.scan.step)
+            fired += LOOKS if self.only_mixed else steps
+        searches = 1
+        if self.over is not None:
+            searches += ranges.searches(self.over)
+        panel = self.pinned
+        width = self.tolerance or limits.usual_tolerance(panel.setup.target())
+        size = StudySize.estimate(panel.setup, panel.title, fired, searches, tolerance=width)
+        return size.with_choice(self.target.setup, fired)
+
+    def run(self, running: Running) -> CriticalVelocityResult:
+        """Search the limit, with the yarns that the checks choose, and the range over what is
+        assumed."""
+        from weavecell.studies import assumed_range as ranges
+        from weavecell.studies import choice
+
+        panel = self.pinned
+        over = self.over
+        chosen = ""
+        study = self._search(panel, running)
+        if self.target.setup.instead is not None:
+            found = choice.choose_by_limit(self.target.setup, study.limit)
+            chosen = str(found)
+            if found.resolved:
+                panel = replace(panel, setup=choice.with_resolved(self.target.setup))
+                more = StudySize.estimate(panel.setup, panel.title, self.residual_shots, 1)
+                logging.getLogger("weavecell").info(f"{chosen}; {more.cost}")
+                study = self._search(panel, running)
+            over = ranges.with_ends(panel.setup, self.assumed_range)
+        result = CriticalVelocityResult(
+            panel,
+            study.limit,
+            study.fit,
+            scan=study.scan,
+            wall_time=running.wall_time,
+            chosen=chosen,
+        )
+        running.save(result)
+        if over is None:
+            return result
+        logging.getLogger("weavecell").info(f"{result.lines()[0]}; its range follows")
+        return running.save(replace(result, assumed_range=self._range(over, study, running)))
+
+    def _search(self, panel, running):
+        from weavecell.studies import limit as limits
+
+        return limits.search(
+            panel.setup,
+            tolerance=self.tolerance,
+            v50_shots=self.v50_shots,
+            residual_shots=self.residual_shots,
+            scan=self.scan,
+            only_mixed=self.only_mixed,
+            stage=lambda title: running.stage(title, checks.describe_shot),
+            folder=running.kept,
+            **running.how.pool,
+        )
+
+    def _range(self, over, study, running):
+        """AssumedRange of the limit, searched with the same tolerance and pool."""
+        from weavecell.studies import assumed_range as ranges
+        from weavecell.studies import pack_limit
+
+        width = self.tolerance or pack_limit.SCATTER * study.limit.velocity
+        with progress.bar("Range over what is assumed") as advance:
+            return ranges.critical_velocity(
+                over,
+                study.limit.velocity,
+                on_progress=advance,
+                tolerance=width,
+                folder=running.kept,
+                **running.how.pool,
+            )
+
+    def give_up(self, running: Running, problem: BaseException) -> None:
+        """Write the shots so far, and the input."""
+        keep(running.ended, problem, self.target, running.folder)
+
+
+@command(LimitPlan)
 @explain_keywords(ResumableSearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
@@ -98,7 +229,7 @@ def critical_velocity(
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
-) -> CriticalVelocityResult:
+) -> LimitPlan:
     """Find the critical velocity (ballistic limit) of a ply or pack by bisection, and fit the
     residual velocities of its shots.
 
@@ -158,141 +289,54 @@ def critical_velocity(
     (70.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import choice, inputs, pack_limit
-    from weavecell.studies import limit as limits
+    from weavecell.studies import choice, pack_limit
     from weavecell.studies.limit_scan import ScanRange
 
-    began = time.perf_counter()
     width = None
     if tolerance is not None:
         width = quantities.read_positive(tolerance, "m/s", "tolerance")
     shares = {"above": scan_above, "below": scan_below, "step": scan_step}
-    numbers = {}
-    for key, value in shares.items():
-        numbers[key] = quantities.number(value, "", f"scan_{key}")
+    numbers = {key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
+    # the range of a scan is checked even if none is wanted
     with keywords.name_as_keyword("scan", shares):
         around: ScanRange | None = ScanRange(**numbers)
     if residual_shots is not None:
         residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
     if v50_shots is not None:
         v50_shots = quantities.read_whole(v50_shots, "v50_shots", 0)
-    # the range of a scan is checked even if none is wanted
-    if scan is False:
-        around = None
-    how, keys = Execution.split(options)
-    panel = resolve_target(target, keys, honoured.LIMITS, function="critical_velocity")
-    over = ranges.with_ends(panel.setup, assumed_range)
-    setup = panel.setup
-    pack = setup.plies > 1
-    if width is None and not pack:
-        width = 1.0
+    panel = resolve_target(target, options, honoured.LIMITS, function="critical_velocity")
+    pack = panel.setup.plies > 1
     if v50_shots is None:
         v50_shots = pack_limit.SHOTS if pack and scan is not True else 0
     if residual_shots is None:
         residual_shots = 0 if v50_shots else 2
     # mixed outcomes are part of the scatter that the interval of V50 holds
-    if v50_shots and scan is None:
+    if scan is False or (v50_shots and scan is None):
         around = None
-    if setup.instead is not None:
+    over = ranges.with_ends(panel.setup, assumed_range)
+    if panel.setup.instead is not None:
         with panel.name_problems():
             # what resolved yarns do not have is refused first
-            choice.with_resolved(setup).target()
-        panel = replace(panel, setup=choice.with_pinned(setup))
+            choice.with_resolved(panel.setup).target()
         over = None
-    if check:
-        fired = residual_shots + v50_shots
-        if around is not None:
-            fired += round((around.above + around.below) / around.step) if scan else LOOKS
-        searches = 1
-        if over is not None:
-            searches += ranges.searches(over)
-        width = width or limits.usual_tolerance(panel.setup.target())
-        size = StudySize.estimate(panel.setup, panel.title, fired, searches, tolerance=width)
-        return size.with_choice(setup, fired)  # type: ignore[return-value]
-    beside: dict[str, Any] = {"tolerance": width, **how.pool}
-    fired_at = inputs.use_one_thread(setup, strike_velocity=1.0)
-    with (
-        out_folder.hold(how.out, NAMES, how.resume, [fired_at]) as folder,
-        study_run.keep_runs(folder, how.resume) as runs,
-        keep_shots(panel, folder) as ended,
-    ):
-        # without a folder there is nothing to go on from
-        beside["folder"] = folder and runs
-
-        @contextmanager
-        def stage(title):
-            # without an estimate: some shots take ten times as long as others
-            with progress.bar(title, estimate=False) as advance:
-                done = count(1)
-
-                def report(share, shot):
-                    ended.append(shot)
-                    advance(share, f"{next(done)} shots, {checks.describe_shot(shot)}")
-
-                yield report
-
-        with panel.name_problems():
-
-            def search():
-                return limits.search(
-                    panel.setup,
-                    v50_shots=v50_shots,
-                    residual_shots=residual_shots,
-                    scan=around,
-                    only_mixed=scan is None,
-                    stage=stage,
-                    **beside,
-                )
-
-            study = search()
-            chosen = ""
-            if setup.instead is not None:
-                found = choice.choose_by_limit(setup, study.limit)
-                chosen = str(found)
-                if found.resolved:
-                    panel = replace(panel, setup=choice.with_resolved(setup))
-                    more = StudySize.estimate(panel.setup, panel.title, residual_shots, 1)
-                    logging.getLogger("weavecell").info(f"{chosen}; {more.cost}")
-                    study = search()
-        seconds = time.perf_counter() - began
-        result = CriticalVelocityResult(
-            panel, study.limit, study.fit, scan=study.scan, wall_time=seconds, chosen=chosen
-        )
-        if setup.instead is not None:
-            over = ranges.with_ends(panel.setup, assumed_range)
-        # what is written with the result need not be kept apart
-        ended.clear()
-        save_to(result, folder)
-        if over is not None:
-            logging.getLogger("weavecell").info(f"{result.lines()[0]}; its range follows")
-            # the range over what is assumed searches with the same tolerance and pool
-            beside["tolerance"] = width or pack_limit.SCATTER * study.limit.velocity
-            with panel.name_problems(), progress.bar("Range over what is assumed") as advance:
-                around_it = ranges.critical_velocity(
-                    over, study.limit.velocity, on_progress=advance, **beside
-                )
-            result = save_to(replace(result, assumed_range=around_it), folder)
-    result.warn()
-    return result
+    if width is None and not pack:
+        width = 1.0
+    return LimitPlan(
+        panel, width, v50_shots, residual_shots, around, scan is None, over, assumed_range
+    )
 
 
-@contextmanager
-def keep_shots(panel: Target, folder: Path | None) -> Iterator[list[Shot]]:
-    """Yield a list for the shots of a search, which are written to the folder if an error or the
-    user ends it."""
-    ended: list[Shot] = []
-    try:
-        with interrupts():
-            yield ended
-    except (WeavecellError, KeyboardInterrupt) as problem:
-        shots = sorted(ended, key=lambda shot: shot.strike_velocity)
-        if isinstance(problem, (UndecidedError, UnstableError)):
-            problem.shots = tuple(shots)
-        if folder is not None and (shots or not isinstance(problem, InputError)):
-            files.write(folder / "shots.csv", csv_of(shots))
-            if panel.text:
-                out_folder.write_copy(folder / "scene.toml", panel.text)
-        raise
+def keep(ended: Sequence[Shot], problem: BaseException, panel: Target, folder: Path | None) -> None:
+    """Write the shots of a search that an error or the user ended; the error has them too."""
+    if not isinstance(problem, (WeavecellError, KeyboardInterrupt)):
+        return
+    shots = sorted(ended, key=lambda shot: shot.strike_velocity)
+    if isinstance(problem, (UndecidedError, UnstableError)):
+        problem.shots = tuple(shots)
+    if folder is not None and (shots or not isinstance(problem, InputError)):
+        files.write(folder / "shots.csv", csv_of(shots))
+        if panel.text:
+            out_folder.write_copy(folder / "scene.toml", panel.text)
 
 
 @dataclass(frozen=True, repr=False)
@@ -421,32 +465,8 @@ class CriticalVelocityResult(StudyResult):
     def summary(self) -> dict[str, Any]:
         """Return the entries of critical-velocity.json (docs/reference.md), but of the shots their
         number and the worst checks of all in words, and what is assumed."""
-        return self._facts() | {"checks": self.checks_text} | self._what_is_assumed()
-
-    def _facts(self):
-        limit = self.limit
-        setup = self.target.setup
-        chosen = {}
-        if self.chosen:
-            chosen["chosen"] = self.chosen
-        return chosen | {
-            "fabric": setup.name,
-            "plies": setup.plies,
-            "projectile": self.target.projectile,
-            "law_name": self.target.law_name,
-            "critical_velocity_m_s": self.critical_velocity,
-            "v50": self.v50 and asdict(self.v50),
-            "bracket_m_s": [limit.low, limit.high],
-            "single_limit": limit.single,
-            "highest_stop_m_s": limit.highest_stop,
-            "lowest_perforation_m_s": limit.lowest_perforation,
-            "mixed_zone_m_s": limit.mixed_zone,
-            "scan": self.scan and asdict(self.scan),
-            "lambert_jonas": asdict(self.lambert_jonas),
-            "shots": len(limit.shots),
-            "bracket_checks": self.bracket_checks,
-            "wall_time_s": self.wall_time,
-        }
+        facts = one_table.facts(self, "critical_velocity")
+        return facts | {"checks": self.checks_text} | self._what_is_assumed()
 
     def _columns(self):
         columns = dict(table_of(self.shots))
@@ -457,20 +477,15 @@ class CriticalVelocityResult(StudyResult):
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
-        from weavecell.report import pictures
-
-        return pictures.residual_velocity(
-            pyplot, self.title, self.limit, self.lambert_jonas, self.shots
-        )
+        return plot_of(self).draw(pyplot)
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}, as `StudyResult` does."""
-        shots = self.to_dataframe().to_dict("records")
-        for shot in shots:
-            warp = shot.pop("peak_tension_warp_N")
-            weft = shot.pop("peak_tension_weft_N")
-            shot["peak_tension_N"] = (warp, weft)
-        content = {"format": "weavecell critical velocity 4", **self._facts(), "shots": shots}
+        content = {
+            "format": "weavecell critical velocity 4",
+            **one_table.facts(self, "critical_velocity"),
+            "shots": one_table.records(self.shots, "critical_velocity", "shots"),
+        }
         content |= checks.summary(self.checks)
         if self.assumed_range is not None:
             content["assumed_range"] = self.assumed_range.summary()
@@ -525,26 +540,34 @@ class CriticalVelocityResult(StudyResult):
 
 def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
     """Return {name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
-    return {
-        "strike_velocity_m_s": [shot.strike_velocity for shot in shots],
-        "residual_velocity_m_s": [shot.residual_velocity for shot in shots],
-        "outcome": [shot.outcome for shot in shots],
-        "end_time_s": [shot.time for shot in shots],
-        "cut_yarns": [shot.cut_yarns for shot in shots],
-        "peak_tension_warp_N": [shot.peak_tension[0] for shot in shots],
-        "peak_tension_weft_N": [shot.peak_tension[1] for shot in shots],
-        "energy_error_max": [shot.balance for shot in shots],
-        "wall_time_s": [shot.wall_time for shot in shots],
-        "checks": [checks.status(shot.checks) for shot in shots],
-    }
+    return one_table.columns(shots, "critical_velocity", "shots")
 
 
 def csv_of(shots: Sequence[Shot]) -> str:
     """Write the content of shots.csv; of a search that did not end too."""
-    from pandas import DataFrame
+    return one_table.csv(table_of(shots), "critical_velocity", "shots", _CSV)
 
-    columns = table_of(shots)
-    table = DataFrame(
-        {heading: map(form.format, columns[name]) for heading, (name, form) in _CSV.items()}
-    )
-    return table.to_csv(index=False)
+
+def plot_of(found: CriticalVelocityResult) -> Plot:
+    """Return residual against strike velocity: shots, bracket or zone, and fitted curve."""
+    limit = found.limit
+    fit = found.lambert_jonas
+    strikes = [shot.strike_velocity for shot in found.shots]
+    high = 1.02 * max(strikes)
+    low = 0.94 * min(*strikes, limit.low)
+    layers = []
+    if not fit.reason:
+        x, y = fit.sample(high)
+        layers.append(Layer("Lambert-Jonas\n" + fit.words("\n"), x, y, look={"color": BLUE}))
+    for outcome, look in LOOK_OF.items():
+        of = [shot for shot in found.shots if shot.outcome == outcome]
+        places = ([s.strike_velocity for s in of], [s.residual_velocity for s in of])
+        layers.append(Layer(outcome, *places, "o", {"ms": 7, "zorder": 3, **look}))
+    name, zone, alpha = "bracket of the limit", (limit.low, limit.high), 0.8
+    if limit.mixed_zone is not None:
+        name, zone, alpha = "mixed outcomes", limit.mixed_zone, 0.25
+    label = f"{name}\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
+    layers.append(Layer(label, zone, look={"color": ORANGE, "alpha": alpha, "lw": 1}))
+    axes = {"x": "strike_velocity_m_s", "y": "residual_velocity_m_s"}
+    ends = {"xlim": (low, high), "ylim": (-0.02 * high, high)}
+    return Plot(found.title, **axes, layers=tuple(layers), **ends, diagonal="no loss of velocity")

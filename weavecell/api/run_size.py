@@ -327,6 +327,39 @@ class StudySize(_Size):
 
 
 @dataclass(frozen=True, repr=False)
+class WorkSize(Result):
+    """What a command would compute that fires no shots: how much of what.
+
+    Parameters
+    ----------
+    title : of what is computed
+    amounts : {what is counted: number}
+    assumed : lines that name what is assumed
+
+    Examples
+    --------
+    >>> print(wc.biaxial("S-720", ratio=["1:1", "2:1"], check=True))
+    S-720, biaxial: nothing is run
+    2 paths, 482 states
+    """
+
+    title: str
+    amounts: dict[str, int]
+    assumed: tuple[str, ...] = ()
+
+    def summary(self) -> dict[str, Any]:
+        """Return the amounts."""
+        return dict(self.amounts)
+
+    def _columns(self):
+        return {name: [value] for name, value in self.amounts.items()}
+
+    def __str__(self) -> str:
+        amounts = ", ".join(f"{number:,} {name}" for name, number in self.amounts.items())
+        return "\n".join([f"{self.title}: nothing is run", amounts, *self.assumed])
+
+
+@dataclass(frozen=True, repr=False)
 class SizeOfPatch(_Size):
     """What a patch of woven solid yarns would take, beside which the other two models cost nothing.
 

@@ -244,41 +244,6 @@ def velocity(pyplot: Any, runs: Any) -> Any:
     return figure
 
 
-def residual_velocity(pyplot: Any, title: str, limit: Any, fit: Any, shots: Any) -> Any:
-    """Draw residual against strike velocity: shots, the bracket of the critical velocity, and the
-    fitted curve.
-
-    Parameters
-    ----------
-    limit : weavecell.studies.ballistic_limit.Limit
-    fit : weavecell.studies.lambert_jonas.LambertJonas
-    shots : sequence of weavecell.studies.ballistic_limit.Shot
-    """
-    strike = np.array([shot.strike_velocity for shot in shots])
-    residual = np.array([shot.residual_velocity for shot in shots])
-    through = np.array([shot.perforated for shot in shots])
-    low = 0.94 * min(strike.min(), limit.low)
-    high = 1.02 * strike.max()
-    figure, axes = _draw_velocity_axes(pyplot, title, low, high)
-    if not fit.reason:
-        axes.plot(*fit.sample(high), color=BLUE, label="Lambert-Jonas\n" + fit.words("\n"))
-    for outcome, of, look in (
-        ("perforated", through, {"color": RED, "mec": "white"}),
-        ("stopped", ~through, {"mfc": "white", "mec": GREEN, "mew": 1.8}),
-    ):
-        axes.plot(strike[of], residual[of], "o", ms=7, label=outcome, zorder=3, **look)
-    zone = (limit.low, limit.high)
-    alpha = 0.8
-    name = f"bracket of the limit\n{limit.low:.1f} to {limit.high:.1f} m/s"
-    if not limit.single:
-        zone = limit.mixed_zone
-        alpha = 0.25
-        name = f"mixed outcomes\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
-    axes.axvspan(*zone, color=ORANGE, alpha=alpha, lw=1, label=name)
-    legend_beside(axes, labelspacing=0.9)
-    return figure
-
-
 def _draw_velocity_axes(pyplot, title, low, high):
     """Figure and axes of residual against strike velocities from low to high."""
     figure, axes = pyplot.subplots(figsize=(10.4, 5.2))

@@ -31,12 +31,22 @@ class Key(NamedTuple):
         %; "wall s" of the time that a computer took; "" of what is no number
     path : where an object holds it, its name if not given: attributes, keys of dicts and indices
         with dots between them
+    form : format of the value in a CSV file
+    csv : heading there without the unit; the name in words if not given
+    parts : names of the parts of a pair, which are columns of their own in tables
+    of : table that has its meaning
+    optional : whether it is absent where it is empty
     """
 
     name: str
     unit: str
     meaning: str
     path: str = ""
+    form: str = ""
+    csv: str = ""
+    parts: tuple[str, ...] = ()
+    of: str = ""
+    optional: bool = False
 
     @property
     def field(self) -> str:
@@ -73,8 +83,21 @@ def _prefix_keys(group: str, table: Iterable[Key]) -> tuple[Key, ...]:
 
 
 TABLES: dict[str, tuple[Key, ...]] = {}
+
+
+def _read_key(name, row):
+    """A Key of a row: a list, or a table, which may take unit and meaning from another table."""
+    if isinstance(row, list):
+        return Key(name, *row)
+    same = {}
+    if "of" in row:
+        key = next(key for key in TABLES[row["of"]] if key.name == name)
+        same = {"unit": key.unit, "meaning": key.meaning}
+    return Key(name, **(same | row | {"parts": tuple(row.get("parts", ()))}))
+
+
 for _name, _rows in read_data(Path(__file__).with_suffix(".toml")).items():
-    TABLES[_name] = tuple(Key(key, *row) for key, row in _rows.items())
+    TABLES[_name] = tuple(_read_key(key, row) for key, row in _rows.items())
 # tables of summary.json that an impact has where this attribute of its record is not empty
 OF_SOME = {"pack": "pack", "bar": "of_bar", "metal": "of_metal", "backing": "of_backing"}
 OF_IMPACTS = (

@@ -13,6 +13,7 @@ process dies.
 from __future__ import annotations
 
 import atexit
+import errno
 import functools
 import json
 import os
@@ -37,6 +38,8 @@ LOCK = ".weavecell-lock"
 # state of a run that has not ended, which the run takes away itself
 CHECKPOINTS = "checkpoint*.h5"
 ASIDE = ".found"
+NOT_WRITABLE = "a folder that can be written to ({})"
+ANOTHER_WRITES = "another folder: another run is writing to this one"
 # copies of what a run reads: where the run reads that very file, it is left as it is
 COPIES = ("scene.toml", "projectile.stl")
 
@@ -120,22 +123,17 @@ def claim(
         return
     _check_list(folder, place)
     known = FileList.read(place)
-    digests = {run_cache.inputs_digest(given) for given in inputs}
-    if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
-        earlier = _earlier(place) or "an unfinished run"
-        others = f"this one has {earlier}, of other input or options"
-        allowed = f"another folder: {others}; without {option('resume')} it is replaced"
-        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
+    digests = _judge_inputs(folder, place, known, resume, inputs)
     made = [path for path in (place, *place.parents) if not path.exists()]
     try:
         place.mkdir(parents=True, exist_ok=True)
         descriptor = _lock(place / LOCK)
     except OSError as problem:
         _remove_empty(made)
-        allowed = f"a folder that can be written to ({problem.strerror})"
+        allowed = NOT_WRITABLE.format(problem.strerror)
         if isinstance(problem, BlockingIOError):
-            allowed = "another folder: another run is writing to this one"
-        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed) from None
+            allowed = ANOTHER_WRITES
+        raise _refuse_folder(folder, allowed) from None
     if not _held:
         atexit.register(release)
         files.watchers.append(_list_file)
@@ -158,6 +156,40 @@ def claim(
         raise
     if earlier:
         print(f"replaces the results of {earlier} in {folder}")
+
+
+def look(
+    out: FilePath | None,
+    names: Iterable[str],
+    resume: bool = False,
+    inputs: Iterable[object] = (),
+) -> None:
+    """Refuse a folder that `claim` would refuse, and make nothing.
+
+    Raises
+    ------
+    InputError : as `claim`
+    """
+    if out is None:
+        return
+    folder = Path(out)
+    place = folder.resolve()
+    there = next(path for path in (place, *place.parents) if path.exists())
+    if there == place and place.is_dir():
+        _check_list(folder, place)
+    known = FileList.read(place)
+    _judge_inputs(folder, place, known, resume, inputs)
+    problem = 0
+    if not there.is_dir():
+        problem = errno.EEXIST if there == place else errno.ENOTDIR
+    elif not os.access(there, os.W_OK):
+        problem = errno.EACCES
+    if problem:
+        raise _refuse_folder(folder, NOT_WRITABLE.format(os.strerror(problem)))
+    if there == place and place not in _held:
+        if _is_locked(place / LOCK):
+            raise _refuse_folder(folder, ANOTHER_WRITES)
+        _judge_names(folder, place, set(names), Claim(-1, [], known, resume=resume))
 
 
 @contextmanager
@@ -228,6 +260,39 @@ def _release(place):
     _remove_empty(claimed.made)
 
 
+def _refuse_folder(folder, allowed):
+    """The InputError of a folder of results."""
+    return InputError(key=option("out", ""), value=str(folder), allowed=allowed)
+
+
+def _judge_inputs(folder, place, known, resume, inputs):
+    """The digests of what is computed; a folder to resume from that holds none of them is refused."""
+    digests = {run_cache.inputs_digest(given) for given in inputs}
+    if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
+        earlier = _earlier(place) or "an unfinished run"
+        others = f"this one has {earlier}, of other input or options"
+        allowed = f"another folder: {others}; without {option('resume')} it is replaced"
+        raise _refuse_folder(folder, allowed)
+    return digests
+
+
+def _is_locked(path):
+    """Whether another run has the lock."""
+    if not path.is_file():
+        return False
+    try:
+        import fcntl
+
+        with open(path, "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    # as in `_lock`
+    except (ImportError, OSError):
+        pass
+    return False
+
+
 def _check_list(folder, place):
     """Refuse a folder whose list can be no list."""
     listed = place / file_list.NAME
@@ -235,7 +300,7 @@ def _check_list(folder, place):
     if os.path.lexists(listed) and not good:
         what = f"{file_list.NAME}, the list of what weavecell wrote"
         allowed = f"another folder: in this one {what}, is no file that can be written to"
-        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
+        raise _refuse_folder(folder, allowed)
 
 
 def _add_names(folder, place, names):
@@ -248,6 +313,16 @@ def _add_names(folder, place, names):
     """
     claimed = _held[place]
     new = set(names) - claimed.names
+    strange = _judge_names(folder, place, new, claimed)
+    for name in strange:
+        aside = _aside(place / name)
+        os.replace(place / name, aside)
+        print(f"{folder / name} is not as weavecell wrote it: kept as {aside.name}, and made again")
+    claimed.names |= new
+
+
+def _judge_names(folder, place, new, claimed):
+    """The files with new names that a run would put aside; those that it may not replace are refused."""
     read = files.noted_reads()
     found = [name for name in _present(place, new) if name not in claimed.written]
     refused = []
@@ -268,12 +343,8 @@ def _add_names(folder, place, names):
             refused.append(f"{name}, {why}")
     if refused:
         allowed = f"another folder: this one has {'; '.join(refused)}; nothing was overwritten"
-        raise InputError(key=option("out", ""), value=str(folder), allowed=allowed)
-    for name in strange:
-        aside = _aside(place / name)
-        os.replace(place / name, aside)
-        print(f"{folder / name} is not as weavecell wrote it: kept as {aside.name}, and made again")
-    claimed.names |= new
+        raise _refuse_folder(folder, allowed)
+    return strange
 
 
 def _present(folder, names):

@@ -81,6 +81,11 @@ class Shot:
     def perforated(self) -> bool:
         return self.outcome == "perforated"
 
+    @property
+    def status(self) -> str:
+        """ "ok", "noted" or "doubtful": that of its worst check."""
+        return quality.status(self.checks)
+
 
 @dataclass(frozen=True)
 class Limit:

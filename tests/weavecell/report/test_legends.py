@@ -17,6 +17,7 @@ from fabrics import catalogue
 from fabrics.base.record import Record
 from fabrics.surface import ResponseSurface
 from shellfabric.loop.histories import YarnHistory
+from weavecell.api import limits
 from weavecell.decks import mismatch
 from weavecell.report import (
     pictures,
@@ -160,7 +161,8 @@ def test_a_limit(single):
     shots = shots_of([shot for shot in SHOTS if shot[0] != 87.0] if single else SHOTS)
     limit = Limit(92.0, 96.0, shots)
     with pictures_figure.plots() as pyplot:
-        figure = pictures.residual_velocity(pyplot, "S-720", limit, curve_of("a 1", 0.5), shots)
+        found = Given(title="S-720", limit=limit, lambert_jonas=curve_of("a 1", 0.5), shots=shots)
+        figure = limits.plot_of(found).draw(pyplot)
     high = 1.02 * 105
     line = np.linspace(80, high, 7)
     struck = {
@@ -179,11 +181,6 @@ def test_a_limit(single):
     }
     place = "S-720", "strike velocity [m/s]", "residual velocity [m/s]"
     compare(figure, {place: wanted})
-
-
-@case(pictures.residual_velocity)
-def residual_velocity(pyplot):
-    return None  # the test above
 
 
 @case(pictures.draw_tests_and_shots)

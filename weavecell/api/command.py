@@ -1,0 +1,282 @@
+"""A command: a function that reads its inputs and returns a plan; a check and a run follow from it.
+
+The function below `@command` computes nothing. It reads its arguments, refuses what it cannot honour
+and returns a Plan, which has all that the run needs: what the plan does not hold, the run does not
+know. A call with `check=True` makes the same plan, looks at the same folder and returns the plan's
+forecast; any other call holds the folder, runs the plan and warns of a doubtful result. The folder,
+jobs and executor, the progress, the files that are read and the interrupt are here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, field, fields
+from itertools import count
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
+
+from fabrics.base import run_cache
+from fabrics.base.errors import UnstableError, interrupts
+from weavecell.api.execution import Execution
+from weavecell.api.result import Result
+from weavecell.api.target import Target
+from weavecell.results import out_folder, progress
+
+Parameters = ParamSpec("Parameters")
+Found = TypeVar("Found", bound=Result)
+FoundToo = TypeVar("FoundToo", bound=Result, covariant=True)
+# report(number done, number of all) of the runs of a part of a study
+Report = Callable[[int, int], None]
+
+
+@dataclass
+class Running(Generic[Found]):
+    """A plan under way.
+
+    Parameters
+    ----------
+    how : Execution
+    folder : of the results; None if nothing is written
+    runs : folder of the finished runs; a temporary one without `folder`
+    ended : the runs that have ended since the last result was saved
+    failure : the error that is raised with the result, when this is written
+    """
+
+    how: Execution
+    folder: Path | None
+    runs: Path
+    ended: list[Any] = field(default_factory=list)
+    failure: UnstableError | None = None
+    began: float = field(default_factory=time.perf_counter)
+
+    @property
+    def wall_time(self) -> float:
+        """[s] since it began."""
+        return time.perf_counter() - self.began
+
+    @property
+    def kept(self) -> Path | None:
+        """The folder of the finished runs, None if there is nothing to go on from."""
+        return self.folder and self.runs
+
+    @property
+    def cache(self) -> dict[str, Any]:
+        """Folder, jobs and executor, as `run_cache.results` takes them."""
+        return {"folder": self.runs, **self.how.pool}
+
+    @contextmanager
+    def stage(
+        self, title: str, describe: Callable[[Any], str] | None = None
+    ) -> Iterator[Callable[..., None]]:
+        """Show the progress of a stage; yield report(share, run), which takes the run that ended."""
+        # without an estimate: some runs take ten times as long as others
+        with progress.bar(title, estimate=describe is None) as advance:
+            done = count(1)
+
+            def report(share: float, run: Any) -> None:
+                self.ended.append(run)
+                if describe is None:
+                    advance(share)
+                else:
+                    advance(share, f"{next(done)} shots, {describe(run)}")
+
+            yield report
+
+    @contextmanager
+    def count(self, title: str) -> Iterator[Callable[..., Report]]:
+        """Show the progress of a study of counted runs; yield part(number=0, of=1), which returns the
+        Report of one of its parts."""
+        with progress.bar(title) as advance:
+
+            def part(number: int = 0, of: int = 1) -> Report:
+                return lambda done, total: advance(
+                    (number + done / total) / of, f"{done} of {total}"
+                )
+
+            yield part
+
+    def save(self, result: Found) -> Found:
+        """Return the result, written to the folder if there is one."""
+        # what is written with the result need not be kept apart
+        self.ended.clear()
+        if self.folder is not None:
+            result.save(self.folder)  # type: ignore[attr-defined]
+        return result
+
+
+class Plan(Generic[FoundToo]):
+    """What a command is about to do: a frozen dataclass, all of whose inputs are its fields.
+
+    A derived class has what raises NotImplementedError here. Its field `target`, if it has one, is
+    what is shot at, whose file is named in problems.
+    """
+
+    # names of what its result writes, with wildcards
+    files: Sequence[str] = ()
+    # folder of the runs that `resume` goes on from; "" of a plan that keeps its state itself
+    runs: ClassVar[str] = out_folder.RUNS
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """What is computed, without what only chooses how much: `resume` goes on with the same; empty
+        of what cannot be resumed."""
+        return ()
+
+    def key(self) -> str:
+        """Return the digest of all inputs and code, which marks a whole folder; "" without one."""
+        return ""
+
+    def finished(self, folder: Path) -> Any:
+        """Return the result of this very plan that a folder to resume from holds; None without."""
+        return None
+
+    def forecast(self) -> Result:
+        """Say what the run takes, and refuse what it refuses."""
+        raise NotImplementedError
+
+    def run(self, running: Running) -> FoundToo:
+        """Compute the result."""
+        raise NotImplementedError
+
+    def give_up(self, running: Running, problem: BaseException) -> None:
+        """Write what had ended before an error or the user ended the run."""
+
+
+def command(
+    *kinds: type[Plan[Found]],
+) -> Callable[[Callable[Parameters, Plan[Found]]], Callable[Parameters, Found]]:
+    """Make a function that returns a Plan the function that runs it.
+
+    Keywords of `Execution` are taken here; those that the function names are given to it too.
+
+    Parameters
+    ----------
+    *kinds : of the plans that it may return
+    """
+
+    def decorate(plan: Callable[Parameters, Plan[Found]]) -> Callable[Parameters, Found]:
+        signature = inspect.signature(plan)
+        own = _keywords_of_execution(plan, signature)
+
+        @functools.wraps(plan)
+        @out_folder.reading
+        def called(*arguments: Any, check: bool = False, **options: Any) -> Any:
+            taken = {key: options.pop(key) for key in own if key in options}
+            how = Execution(**taken)
+            named = {key: taken[key] for key in taken if key in signature.parameters}
+            made = cast(Any, plan)(*arguments, **named, **options)
+            if check:
+                out_folder.look(how.out, made.files, how.resume, made.inputs)
+                with name_problems(made):
+                    return made.forecast()
+            return _run(made, how)
+
+        # help, command line and reference page say what the run returns
+        returned = " | ".join(kind.run.__annotations__["return"] for kind in kinds)
+        called.__annotations__ = {**plan.__annotations__, "return": returned}
+        called.__signature__ = signature.replace(return_annotation=returned)  # type: ignore[attr-defined]
+        called.plan = plan  # type: ignore[attr-defined]
+        return cast(Any, called)
+
+    return decorate
+
+
+def _keywords_of_execution(function, signature):
+    """The keywords of `Execution` that a function takes: its own, and those of the TypedDict of its
+    `**options`."""
+    names = set(signature.parameters)
+    *_, last = signature.parameters.values()
+    typed = re.fullmatch(r"Unpack\[(\w+)\]", str(last.annotation))
+    if typed:
+        names |= set(inspect.unwrap(function).__globals__[typed[1]].__annotations__)
+    return [one.name for one in fields(Execution) if one.name in names]
+
+
+def _run(made: Plan[Found], how: Execution) -> Found:
+    if how.resume and how.out is not None:
+        before = made.finished(Path(how.out))
+        if before is not None:
+            return before
+    with (
+        out_folder.hold(how.out, made.files, how.resume, made.inputs, made.key) as folder,
+        keep_runs(folder, how.resume, made.runs) as runs,
+        name_problems(made),
+    ):
+        running: Running[Found] = Running(how, folder, runs)
+        try:
+            with interrupts():
+                result = made.run(running)
+        except BaseException as problem:
+            made.give_up(running, problem)
+            raise
+    # the folder has what was computed until then
+    if running.failure is not None:
+        running.failure.result = result
+        raise running.failure
+    result.warn()
+    return result
+
+
+def name_problems(made: Plan[Found]) -> Any:
+    """Return a context in which an InputError names the file of the plan's target."""
+    target = getattr(made, "target", None)
+    if target is None:
+        return nullcontext()
+    return target.name_problems()
+
+
+@contextmanager
+def keep_runs(folder: Path | None, resume: bool, name: str) -> Iterator[Path]:
+    """Open the folder of the finished runs, emptied unless it is to `resume`; a temporary one if
+    `folder` is None or it has no name."""
+    with TemporaryDirectory() as spare:
+        runs = Path(spare)
+        if folder is not None and name:
+            runs = folder / name
+        if not resume:
+            run_cache.RunCache(runs).clear()
+        yield runs
+
+
+def without_effect(
+    function: Callable[..., Any],
+    arguments: Sequence[Any],
+    given: Mapping[str, Any],
+    others: Mapping[str, Sequence[Any]],
+) -> list[str]:
+    """Name the options that are taken and change nothing: with any of `others` the plan is the same.
+
+    Parameters
+    ----------
+    function : a command
+    given : the options beside which they are tried
+    others : {option: values}
+    """
+    plan = function.plan  # type: ignore[attr-defined]
+    silent = []
+    for option, values in others.items():
+        made = {digest(plan(*arguments, **{**given, option: value})) for value in values}
+        if len(made) == 1:
+            silent.append(option)
+    return silent
+
+
+def digest(made: Any) -> str:
+    """Return the digest of a plan: two of one digest do the same."""
+    parts = {one.name: _without_scene(getattr(made, one.name)) for one in fields(made)}
+    return run_cache.inputs_digest(parts)
+
+
+def _without_scene(value):
+    """A field of a plan as a digest takes it: of a Target its set-up."""
+    if isinstance(value, Target):
+        return value.setup
+    if isinstance(value, (tuple, list)):
+        return [_without_scene(one) for one in value]
+    return value
