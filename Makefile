@@ -34,9 +34,11 @@ nightly:  ## all that takes too long for a test, one after the other; goes on af
 mutants: setup  ## planted defects, each with the tests nearest to it: more than an hour; fails where fewer than 95 % are found
 	nice $(RUN:-m=) tools/mutants.py --out $(RESULTS)/mutants.csv --least 0.95
 
-package: setup  ## the wheel by Python 3.11 to 3.13, with the newest and the lowest packages, and the container image step by step: built, and tried as users would
+package: setup  ## the wheel by Python 3.11 to 3.13, with the newest and the lowest packages and without extras, and the container image step by step: built, and tried as users would
 	tools/package.sh wheel
 	tools/package.sh lowest
+	tools/package.sh newest
+	tools/package.sh base
 	tools/package.sh image
 
 validate: test-slow ledger  ## the long tests, and the ledger of the thesis's claims

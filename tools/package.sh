@@ -3,6 +3,9 @@
 #
 #   tools/package.sh wheel                  the tests of the wheel, by Python 3.11, 3.12 and 3.13, with packages of PyPI
 #   tools/package.sh lowest                 the same by Python 3.11, with the lowest versions that pyproject.toml allows
+#   tools/package.sh newest                 the same by Python 3.13, with the newest of what pyproject.toml bounds from above:
+#                                           if it passes the bound can be raised, if not it keeps users from what fails
+#   tools/package.sh base                   what runs without any extra, by Python 3.11, 3.12 and 3.13
 #   tools/package.sh image [SUITE]          the steps of packaging/Dockerfile in a root of debootstrap, then two commands in it;
 #                                           SUITE is another release of Debian than the one that the Dockerfile names
 #
@@ -34,6 +37,23 @@ lowest() {
   echo "package: wheel by $("$python" -V), with $(tr '\n' ' ' <"$PIP_CONSTRAINT")"
   WHEEL_PYTHON=$python "${VENV:-.venv}/bin/python" -m pytest -q -p no:cacheprovider tests/installed/test_wheel.py
   rm "$PIP_CONSTRAINT"
+}
+
+newest() {
+  local python
+  python=$(python_of 3.13)
+  WHEEL_UPGRADE=$("$python" tools/upper_bounds.py) && export WHEEL_UPGRADE
+  echo "package: wheel by $("$python" -V), with the newest $WHEEL_UPGRADE, whatever pyproject.toml allows"
+  WHEEL_PYTHON=$python "${VENV:-.venv}/bin/python" -m pytest -q -p no:cacheprovider tests/installed/test_wheel.py
+}
+
+base() {
+  local version python
+  for version in 3.11 3.12 3.13; do
+    python=$(python_of "$version")
+    echo "package: wheel without extras by $("$python" -V)"
+    WHEEL_PYTHON=$python "${VENV:-.venv}/bin/python" -m pytest -q -p no:cacheprovider tests/installed/test_base_install.py
+  done
 }
 
 # A command line in the root of the image, in the folder `at`, with the network settings of this machine for pip.
@@ -83,7 +103,9 @@ image() {
 case ${1:-} in
   wheel) wheel ;;
   lowest) lowest ;;
+  newest) newest ;;
+  base) base ;;
   image) exec unshare --mount --fork "$0" image-in-own-mounts "${2:-}" ;;
   image-in-own-mounts) image "$2" ;;
-  *) sed -n '2,10s/^# \{0,1\}//p' "$0" && exit 2 ;;
+  *) sed -n '2,13s/^# \{0,1\}//p' "$0" && exit 2 ;;
 esac

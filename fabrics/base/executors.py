@@ -26,6 +26,7 @@ from typing import Any
 
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, WeavecellError
+from fabrics.base.extras import explain_missing
 
 BROKEN = (
     "a process that was started for this ended before its task, for example for want of memory; "
@@ -136,6 +137,7 @@ def _ranks():
     return futures.MPIPoolExecutor(initializer=start_worker)
 
 
+@explain_missing()
 def _client():
     from distributed import Client
 

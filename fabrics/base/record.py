@@ -11,6 +11,7 @@ import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.extras import explain_missing
 from fabrics.base.files import read_hdf5, write_hdf5
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class Record:
                 flat[f"{name}_{number}"] = part
         return DataFrame(flat)
 
+    @explain_missing()
     def to_xarray(self, *dimensions: str) -> Dataset:
         """Return the columns as variables over `dimensions` ("row" without), with units; further
         axes are name_1, ..."""

@@ -49,10 +49,15 @@ def test_lower_bounds_are_versions_that_were_run(tool):
     assert {name for name in run if number(bounds[name]) < number(run[name])} == set()
 
 
+def test_the_compiler_of_kernels_is_bounded_from_above(tool):
+    """shellfabric/jit uses numba's compiler, not only its decorators."""
+    assert tool("upper_bounds").bounded() == ["numba"]
+
+
 def test_the_nightly_job_has_the_lowest_and_the_newest_packages():
     nightly = (ROOT / ".ci/nightly").read_text("utf-8")
     assert "make nightly" in nightly
     makefile = (ROOT / "Makefile").read_text("utf-8")
     assert "--jobs 1 fuzz ledger printed docs-again package convergence" in makefile
-    for kind in ("wheel", "lowest"):
+    for kind in ("wheel", "lowest", "newest", "base"):
         assert f"\ttools/package.sh {kind}\n" in makefile

@@ -28,7 +28,7 @@ from fabrics.variants import with_linear_density
 from weavecell.api import meshes
 from weavecell.api.result import Result, figure, save_to
 from weavecell.api.target import resolve_fabric
-from weavecell.report import pictures_surface
+from weavecell.report import installed, pictures_surface
 from weavecell.results import json_file, out_folder, progress
 from weavecell.scenes import build
 from weavecell.studies.energy_map import map_energy
@@ -291,6 +291,8 @@ class BiaxialResult(Result):
         for text, history in self.solved.items():
             history.write(folder / f"{_stem(text)}.h5")
         json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
+        if not installed.can_draw():
+            return
         section = self._section()
         page.write_pictures([section], folder / "pictures")
         title = f"{self.fabric.name}: biaxial response"

@@ -33,6 +33,7 @@ from weavecell.api.run_size import StudySize
 from weavecell.api.scatter import V50Result
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import is_input_file, list_assumptions, resolve_target
+from weavecell.report import installed
 from weavecell.results import display, keys, out_folder
 from weavecell.results.left_out import LeftOut
 from weavecell.scenes import honoured
@@ -565,7 +566,8 @@ class ComparisonResult(DrawnResult):
                 (out / name).mkdir(exist_ok=True)
                 result.save(out / name)
             self._write_files(out, stamp)
-            self._write_report(out, stamp)
+            if installed.can_draw():
+                self._write_report(out, stamp)
 
     def _write_report(self, out, stamp):
         """Write the page that has both."""

@@ -40,7 +40,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
 from weavecell.api.result import Result, figure
 from weavecell.api.target import resolve_fabric
-from weavecell.report import pictures_coupon
+from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, run_folder
 from weavecell.scenes import build, honoured
@@ -464,7 +464,7 @@ class CouponResult(Result):
         content |= {"provenance": stamp}
         json_file.write_summary(folder / "summary.json", content)
         outputs = self.case.scene.run.outputs
-        if not outputs:
+        if not outputs or not installed.can_draw():
             return
         section = self._section()
         if "pictures" in outputs:

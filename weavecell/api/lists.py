@@ -17,6 +17,7 @@ from fabrics import projectiles as projectile_data
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, placed, unknown_name
+from fabrics.base.extras import explain_missing
 from fabrics.base.schema import read_toml, validated
 from fabrics.base.sourced import assumed_of
 from fabrics.base.units import si
@@ -63,6 +64,7 @@ class Tables(dict[str, "DataFrame"]):
         return "".join(parts)
 
 
+@explain_missing()
 def format_for_terminal(table: DataFrame, title: str = "") -> str:
     """Format a table as text: units below the names of columns, numbers with four digits, long
     texts in several lines."""
@@ -613,6 +615,7 @@ def _ask_values(family):
     return fabric_file.complete(values, family)
 
 
+@explain_missing()
 def view(
     file: FilePath,
     *,

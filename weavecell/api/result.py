@@ -11,6 +11,7 @@ from fabrics import assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.door import in_terminal
 from fabrics.base.errors import DoubtfulResult
+from fabrics.base.extras import explain_missing, find_missing
 from weavecell.api.user_warnings import warn_user
 from weavecell.results import display, glossary, keys
 from weavecell.results.left_out import LeftOut, lines_of
@@ -169,7 +170,7 @@ class Result:
         marked = [glossary.mark(line, explained) for line in (first, *others)]
         lines = "\n".join((f"<b>{marked[0]}</b>", *marked[1:]))
         parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
-        if hasattr(self, "plot"):
+        if hasattr(self, "plot") and find_missing("matplotlib") is None:
             picture = b64encode(self.plot()._repr_png_()).decode()
             parts.append(f"<img style='max-width: 100%' src='data:image/png;base64,{picture}'>")
         rows = table.to_html(
@@ -199,6 +200,7 @@ def save_to(result: Any, out: FilePath | None) -> Any:
     return result
 
 
+@explain_missing()
 def figure(draw: Callable, *arguments: Any) -> Figure:
     """Return what draw(pyplot, *arguments) returns, in the style of the reports."""
     from weavecell.report.pictures_figure import plots

@@ -36,11 +36,13 @@ from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts
+from fabrics.base.extras import explain_missing
 from fabrics.fabric import Fabric
 from weavecell.api import study_run
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.target import list_assumptions, resolve_target
+from weavecell.report import installed
 from weavecell.results import keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
@@ -530,6 +532,7 @@ class ShotResult(ImpactRecord, Result):
         label = f"{self.fabric_name}, {self.strike_velocity:g} m/s"
         return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
+    @explain_missing()
     def plot_panel(self) -> Figure:
         """Draw a matplotlib figure: the whole panel or pack and the projectile at the end, from the
         side where this is.
@@ -540,6 +543,7 @@ class ShotResult(ImpactRecord, Result):
 
         return figure(view.end, self)
 
+    @explain_missing()
     def plot_mushroom(self) -> Figure:
         """Draw a matplotlib figure: a projectile of metal at rest and at the end, cut along its axis
         and coloured by plastic strain, beside the velocities of tip, tail and centre of mass.
@@ -554,6 +558,7 @@ class ShotResult(ImpactRecord, Result):
             raise InputError('has no mushroom: the projectile is not of the body "metal"')
         return figure(pictures_body.mushroom, self.metal)
 
+    @explain_missing()
     def view(self) -> Embedded:
         """Show the whole panel or pack and the projectile in motion, as a notebook does: instant,
         colours and the side that is seen are chosen there."""
@@ -608,6 +613,8 @@ class ShotResult(ImpactRecord, Result):
         # of an earlier run, whose series may have been longer
         for names in ("panel/panel-*.vtu", *SURFACES):
             out_folder.remove_earlier(out, names)
+        if not outputs or not installed.can_draw():
+            return
         if "paraview" in outputs:
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):

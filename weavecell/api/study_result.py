@@ -10,6 +10,7 @@ from fabrics.base import files
 from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
 from weavecell.api.target import list_assumptions
+from weavecell.report import installed
 from weavecell.results import out_folder
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 
@@ -44,13 +45,16 @@ class DrawnResult(Result):
         from weavecell.report import pictures
         from weavecell.results import json_file
 
+        drawn = installed.can_draw()
         for name, content in self.files().items():
             kind = name.partition(".")[2]
             if kind == "json":
                 content |= summarise(self.left_out)
                 json_file.write(folder / name, content | {"provenance": stamp})
-            else:
-                files.write(folder / name, content or pictures.render(self.draw, kind=kind))
+            elif content:
+                files.write(folder / name, content)
+            elif drawn:
+                files.write(folder / name, pictures.render(self.draw, kind=kind))
 
 
 class StudyResult(DrawnResult):
@@ -107,7 +111,8 @@ class StudyResult(DrawnResult):
             if self.target.text:
                 out_folder.write_copy(out / "scene.toml", self.target.text)
             self._write_files(out, stamp)
-            self._write_report(out, stamp)
+            if installed.can_draw():
+                self._write_report(out, stamp)
 
     def _write_report(self, out, stamp):
         """Write the report: what was found with its picture and table, what is assumed, and

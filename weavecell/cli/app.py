@@ -17,7 +17,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 import weavecell
-from fabrics.base import door
+from fabrics.base import door, extras
 from fabrics.base.errors import InputError, WeavecellError, marked
 from weavecell import api
 from weavecell.api import crossover
@@ -173,10 +173,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except usage_error as problem:
         _fail(" ".join(problem.format_message().split()), InputError.exit_code)
     except ModuleNotFoundError as problem:
-        _fail(
-            f"this command needs the Python package {problem.name}, which is not installed{_hint(problem.name)}",
-            1,
-        )
+        _fail(str(extras.MissingPackage(problem.name or str(problem))), 1)
     except OSError as problem:
         # for example a full disk, or a folder without permission to write
         if problem.filename:
@@ -201,22 +198,6 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
-
-
-def _hint(package):
-    """What to install for the packages of the 3D part, which pip does not bring."""
-    if (package or "").partition(".")[0] not in (
-        "dolfinx",
-        "petsc4py",
-        "mpi4py",
-        "ufl",
-        "basix",
-        "gmsh",
-        "meshio",
-    ):
-        return ""
-    debian = "python3-dolfinx python3-petsc4py python3-gmsh python3-meshio"
-    return f"; the 3D part needs: apt install {debian} (Debian), or conda-forge's fenics-dolfinx, python-gmsh, meshio"
 
 
 def _fail(line, code):

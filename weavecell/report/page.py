@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
+from fabrics.base.extras import explain_missing
 from weavecell.results import glossary
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ class Report:
     tone: str = "plain"  # as in Card
 
 
+@explain_missing()
 def render(report: Report) -> str:
     """Render the page as text."""
     import jinja2

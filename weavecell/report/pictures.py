@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base.extras import explain_missing
 from weavecell.report import page
 from weavecell.report.pictures_style import (
     BLUE,
@@ -62,6 +63,7 @@ ENERGIES = (
 )
 
 
+@explain_missing()
 def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     """Draw with `draw(pyplot, ...)` in the project's style; returns the picture as bytes, "svg" or
     "png".

@@ -15,6 +15,7 @@ import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray, IntArray
 from fabrics.base.errors import InputError
+from fabrics.base.extras import explain_missing
 from fabrics.base.files import replace_whole, write
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ AROUND = 24  # sectors of a body that is turned about its axis
 _FAILED = "failed_segments_warp", "failed_segments_weft"
 
 
+@explain_missing()
 def grid(nodes: FloatArray, quads: IntArray) -> Any:
     """Make a pyvista.UnstructuredGrid of quadrilaterals (m, 4) of nodes (n, 3) [m]."""
     import pyvista
@@ -34,6 +36,7 @@ def grid(nodes: FloatArray, quads: IntArray) -> Any:
     )
 
 
+@explain_missing()
 def panel(plies: Sequence[Shape], quads: Sequence[IntArray]) -> Any:
     """Make the grid of a panel at one instant, with the arrays that docs/reference.md lists.
 
@@ -143,6 +146,7 @@ def write_panel(out: Path, instants: Iterable[Sequence[Shape]], quads: Sequence[
     write_series(out / "panel.pvd", times)
 
 
+@explain_missing()
 def body(found: TurnedBody) -> Any:
     """Make the grid of a projectile of metal, turned about its axis, with the arrays that
     docs/reference.md lists."""
@@ -181,6 +185,7 @@ def write_body(out: Path, bodies: Iterable[tuple[TurnedBody, float]]) -> None:
     write_series(out / "body.pvd", times)
 
 
+@explain_missing()
 def write_faces(out: Path, faces: Iterable[tuple[FloatArray, float]]) -> None:
     """Write the face of a block as block.pvd and block/block-NNNN.vtu in the folder `out`; nothing of
     no faces.

@@ -25,6 +25,7 @@ import numpy as np
 from fabrics.base import files
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, together
+from fabrics.base.extras import explain_missing
 from fabrics.base.units import si
 from shellfabric.projectile import solid as solid_body
 from shellfabric.projectile.shapes import SHAPES
@@ -159,6 +160,7 @@ def _surface(path, unit, digest):
     return body
 
 
+@explain_missing()
 def _triangles(content):
     """The Trimesh of the bytes of a file; an empty one where they are not STL.
 
@@ -410,6 +412,7 @@ def _solid(path, digest, unit, edge_radius):
     )
 
 
+@explain_missing()
 def _distances(body, axes, h, rho, path):
     """(i, j, k) [m] signed distance of the body, opened where it has sharp edges; exact where it is
     below 1.2 rho.

@@ -223,7 +223,7 @@ app.main(["calibrate", "S-720", "--mesh", "coarse", "--jobs", "1", "--out", sys.
     done = in_a_program(code, str(tmp_path / "out"))
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]
-    assert last.startswith("error: this command needs the Python package ")
+    assert last.startswith("error: this needs the Python package ")
     assert "apt install python3-dolfinx" in last
     assert "Traceback" not in done.stderr
 
