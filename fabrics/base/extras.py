@@ -37,11 +37,12 @@ class MissingPackage(WeavecellError, ModuleNotFoundError):
         if to_install := how_to_install(package):
             line += f"; {to_install}"
         super().__init__(line)
+        self.package = package
         self.name = package
 
     # exceptions come back from worker processes pickled
     def __reduce__(self) -> tuple[type, tuple[str]]:
-        return MissingPackage, (self.name,)
+        return MissingPackage, (self.package,)
 
 
 @cache
