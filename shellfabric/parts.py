@@ -152,7 +152,7 @@ class Part:
         return None
 
     def indicators(self) -> tuple[Any, ...]:
-        """Return the quality indicators (`membrane.quality.Indicator`) of the part."""
+        """Return the quality indicators (`membrane.indicator.Indicator`) of the part."""
         return ()
 
     def result(self, clock: FloatArray, steps: FloatArray) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """The application: input files, studies, results and reports, as a Python interface and as
 commands.
 
-The interface (`weavecell.api`) is loaded when it is first used:
+A module of the interface (`weavecell.api`) is loaded when one of its names is first used:
 
     import weavecell as wc
 
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, or the list of them: all are loaded with the first."""
+    """A public name, or the list of them."""
     import weavecell.api as api
 
     if name == "__all__" or name in api.__all__:

@@ -15,7 +15,8 @@ from string import Formatter
 from fabrics import metals
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.membrane.quality import REMEDIES, Indicator
+from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.quality import REMEDIES
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from shellfabric.block import dent
 from shellfabric.block.coupling import NAMES, result_of
-from shellfabric.membrane.quality import Indicator, indicator
+from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.quality import indicator
 
 
 def indicators(solver: Any) -> tuple[Indicator, ...]:

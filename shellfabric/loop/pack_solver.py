@@ -22,6 +22,7 @@ from shellfabric.loop import compile_ahead, dent_checks, loop, ply_audit
 from shellfabric.loop import pack_memory as memory
 from shellfabric.loop.driver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.membrane import edges, quality
+from shellfabric.membrane.indicator import Indicator
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.perforation import held, passed
 from shellfabric.metal import body as metal
@@ -234,7 +235,7 @@ class PackSolver(ExplicitSolver):
         return float(np.abs(both).max() / self.strike_energy)
 
     @property
-    def part_indicators(self) -> tuple[quality.Indicator, ...]:
+    def part_indicators(self) -> tuple[Indicator, ...]:
         """Those of the parts; of pinned yarns that have stopped the projectile, the friction that
         yarns which may slip would need to stop it."""
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))

@@ -13,6 +13,7 @@ from fabrics.metals import Metal
 from shellfabric.jit.table import Row
 from shellfabric.law_rows import make_law
 from shellfabric.membrane import quality
+from shellfabric.membrane.indicator import Indicator
 from shellfabric.metal import element_kernels, motion_kernels
 from shellfabric.metal.state import BodyRow, MetalLaw
 from shellfabric.parts import Part
@@ -254,7 +255,7 @@ class MetalBody(Part):
         strain = float(self.row.alpha[element])
         return f"the element at r = {r:.2f} mm, z = {z:.2f} mm at rest, plastic strain {strain:.2g}"
 
-    def indicators(self) -> tuple[quality.Indicator, ...]:
+    def indicators(self) -> tuple[Indicator, ...]:
         """Return the strain of the jacket over that at which it would tear, and the share of the
         hourglass energy, see Part."""
         row = self.row

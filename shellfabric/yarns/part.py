@@ -11,6 +11,7 @@ import numpy as np
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.guards import speed_limit
 from shellfabric.membrane import quality
+from shellfabric.membrane.indicator import Indicator
 from shellfabric.membrane.slots import by_node
 from shellfabric.parts import Part
 from shellfabric.state import Constants, State
@@ -125,7 +126,7 @@ class ResolvedYarns(Part):
             f"its nose at x = {x:.1f} mm, y = {y:.1f} mm",
         )
 
-    def indicators(self) -> tuple[quality.Indicator, ...]:
+    def indicators(self) -> tuple[Indicator, ...]:
         """Return the slip of the whole yarns beside the rim of their zone, the yarns that are cut
         beyond it, crossings whose yarns have changed sides, and the nodes past the next ply, see
         Part."""

@@ -1,85 +1,49 @@
-"""The Python interface: what `import weavecell` offers, by the modules that hold it.
+"""The Python interface: what `import weavecell` offers.
 
-A public name stands in `__all__` of its module.
+`__init__.pyi` lists the public names. A module is loaded when one of its names is first used: a list
+of fabrics waits for no solver.
 """
 
-# ruff: noqa: F403
+import ast
+from importlib import import_module
+from pathlib import Path
+from typing import Any
 
-from fabrics import __version__
-from fabrics.base.errors import DoubtfulResult, InputError, UndecidedError, UnstableError
-from weavecell.api import (
-    biaxial_paths,
-    calibration,
-    citations,
-    comparison,
-    coupons,
-    crossover,
-    crossover_result,
-    exports,
-    laboratory_tests,
-    limits,
-    lists,
-    meshes,
-    patches,
-    reduction,
-    result,
-    run_size,
-    runs,
-    saved,
-    scatter,
-    shots,
-    surfaces,
-    sweeps,
-)
-from weavecell.api.biaxial_paths import *
-from weavecell.api.calibration import *
-from weavecell.api.citations import *
-from weavecell.api.comparison import *
-from weavecell.api.coupons import *
-from weavecell.api.crossover_result import *
-from weavecell.api.exports import *
-from weavecell.api.laboratory_tests import *
-from weavecell.api.limits import *
-from weavecell.api.lists import *
-from weavecell.api.meshes import *
-from weavecell.api.patches import *
-from weavecell.api.reduction import *
-from weavecell.api.result import *
-from weavecell.api.run_size import *
-from weavecell.api.runs import *
-from weavecell.api.saved import *
-from weavecell.api.scatter import *
-from weavecell.api.shots import *
-from weavecell.api.surfaces import *
-from weavecell.api.sweeps import *
 
-__all__ = [
-    "DoubtfulResult",
-    "InputError",
-    "UndecidedError",
-    "UnstableError",
-    "__version__",
-    "crossover",
-]
-__all__ += biaxial_paths.__all__
-__all__ += calibration.__all__
-__all__ += citations.__all__
-__all__ += laboratory_tests.__all__
-__all__ += comparison.__all__
-__all__ += coupons.__all__
-__all__ += crossover_result.__all__
-__all__ += exports.__all__
-__all__ += limits.__all__
-__all__ += lists.__all__
-__all__ += meshes.__all__
-__all__ += patches.__all__
-__all__ += reduction.__all__
-__all__ += result.__all__
-__all__ += run_size.__all__
-__all__ += runs.__all__
-__all__ += saved.__all__
-__all__ += scatter.__all__
-__all__ += shots.__all__
-__all__ += surfaces.__all__
-__all__ += sweeps.__all__
-__all__.sort()
+def _read_public():
+    """{public name: module that holds it}."""
+    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text("utf-8"))
+    holders = {}
+    for node in stub.body:
+        if isinstance(node, ast.ImportFrom):
+            holders |= {entry.name: node.module for entry in node.names}
+    return holders
+
+
+_HOLDERS = _read_public()
+__all__ = sorted(_HOLDERS)
+
+
+def __getattr__(name: str) -> Any:
+    """Return a public name; its module is loaded for it."""
+    if name not in _HOLDERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if _HOLDERS[name] == __name__:
+        return import_module(f"{__name__}.{name}")
+    value = getattr(import_module(_HOLDERS[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def read_docstring(name: str) -> str:
+    """Read the docstring of a public function from the source of its module, which is not loaded."""
+    *_, module = _HOLDERS[name].rpartition(".")
+    source = Path(__file__).with_name(f"{module}.py").read_text("utf-8")
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            return ast.get_docstring(node) or ""
+    raise LookupError(f"{name} is no function of {_HOLDERS[name]}")

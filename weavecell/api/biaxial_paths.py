@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from weavecell.studies.biaxial_path import CellPath
     from weavecell.studies.energy_map import EnergyMap
 
-__all__ = ["BiaxialResult", "biaxial"]
-
 STATES = 241
 RATIOS = ("1:1", "1:0", "0:1")
 COLUMNS = {

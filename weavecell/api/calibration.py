@@ -41,13 +41,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fabrics.compression import CompressionLaw
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
     from unitcell3d.identify.calibration import Calibration
     from unitcell3d.identify.chain import LawInterval
     from unitcell3d.identify.solid_record import SolidFit
     from weavecell.report.page import Section
-
-__all__ = ["CalibrationResult", "calibrate"]
 
 # a fit of the solid takes about so many trials; the progress bar needs a number
 TRIALS = 20

@@ -28,8 +28,6 @@ from weavecell.scenes.fabric_table import check_scene
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-__all__ = ["Citations", "cite"]
-
 # what computes a result, by its JSON file; a panel of any other
 _USES = {
     "law.json": ("crossover",),

@@ -47,8 +47,6 @@ if TYPE_CHECKING:
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.paired import Difference
 
-__all__ = ["ComparisonResult", "compare"]
-
 NAMES = ("difference.json", "difference.csv", "difference.svg", "report.html", "a/*", "b/*")
 # what is computed of each: its name in words
 QUANTITIES = {"v50": "V50", "critical-velocity": "critical velocity"}

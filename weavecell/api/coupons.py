@@ -53,9 +53,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from shellfabric.membrane.quality import Indicator
-
-__all__ = ["CouponResult", "coupon"]
+    from shellfabric.membrane.indicator import Indicator
 
 NAMES = (
     "scene.toml",

@@ -31,8 +31,6 @@ from weavecell.api.meshes import Sections
 from weavecell.api.result import save_to
 from weavecell.results import out_folder, progress
 
-__all__ = ["biaxial", "path", "platens", "pull_out", "shear", "stack", "yarn"]
-
 FAMILIES = ("warp", "weft")
 
 

@@ -20,9 +20,7 @@ from weavecell.results import json_file, out_folder
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from shellfabric.membrane.quality import Indicator
-
-__all__ = ["CrossoverResult"]
+    from shellfabric.membrane.indicator import Indicator
 
 NAMES = ("case.h5", "case.json", "pictures/curve.svg", "pictures/deformed.png")
 

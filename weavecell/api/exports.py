@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
     from shellfabric.impact.setup import ImpactSetup
 
-__all__ = ["DeckResult", "export"]
-
 
 @out_folder.reading
 def export(

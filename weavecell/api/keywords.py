@@ -31,8 +31,6 @@ if TYPE_CHECKING:
         CompressionLaw | tuple[CompressionLaw, CompressionLaw] | HasLaw | FilePath | None
     )
 
-__all__ = ["Keywords", "scene"]
-
 Function = TypeVar("Function", bound=Callable)
 # a number in SI units, or a text with a unit
 Quantity = float | str

@@ -40,11 +40,9 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
     from weavecell.studies.laboratory_tests import Comparison, ReducedTests
-
-__all__ = ["TestsBesideShots", "TestsResult", "reduce_tests"]
 
 
 OF_TESTS = ("tests.json", "shots.csv", "tests.svg")

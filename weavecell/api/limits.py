@@ -47,15 +47,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.ballistic_limit import Limit, Shot
     from weavecell.studies.lambert_jonas import LambertJonas
     from weavecell.studies.limit_scan import ScanRange
     from weavecell.studies.pack_limit import PackV50
-
-__all__ = ["CriticalVelocityResult", "critical_velocity"]
 
 # columns of shots.csv, in its order
 _CSV = (

@@ -30,18 +30,6 @@ from weavecell.scenes.impact import ProjectileTable
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-__all__ = [
-    "Tables",
-    "backings",
-    "fabrics",
-    "metals",
-    "new_fabric",
-    "new_shot",
-    "projectiles",
-    "show",
-    "view",
-]
-
 
 class Tables(dict[str, "DataFrame"]):
     """{title: DataFrame}, one below the other in a terminal and in a notebook.

@@ -28,8 +28,6 @@ from weavecell.results import out_folder, progress
 if TYPE_CHECKING:
     from meshing.mesh import YarnMesh
 
-__all__ = ["MeshResult", "mesh"]
-
 FORMATS = ("msh", "geo", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
 # yarns of the smallest cell that repeats in a plain weave

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
     from weavecell.studies.small_patch import SmallPatch, Struck
 
-__all__ = ["PatchResult", "patch"]
-
 NAMES = ("patch.json", "patch.csv", "patch.svg", "scene.toml")
 WORDS = {"pinned": "pinned crossovers", "yarns": "resolved yarns", "solids": "solid yarns"}
 ROWS = 51

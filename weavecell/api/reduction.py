@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from weavecell.studies.compression_records import Estimate, PressureLaw
     from weavecell.studies.displacement_record import Motion
 
-__all__ = ["CompressionRecords", "ShotRecord", "reduce_compression", "reduce_shot"]
-
 OF_COMPRESSION = ("compression.json", "platen-curve.csv", "fabric-keys.toml", "compression.svg")
 OF_SHOT = ("shot.json", "motion.csv", "motion.svg")
 

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-    from shellfabric.membrane.quality import Indicator
-
-__all__ = ["Result"]
+    from shellfabric.membrane.indicator import Indicator
 
 _LONGEST = 200  # characters of a repr
 

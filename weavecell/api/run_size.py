@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.studies.small_patch import SmallPatch
 
-__all__ = ["RunSize", "SizeOfPatch", "size_of"]
-
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 OF_A_BRICK = 850e-9, 1000e-9

@@ -16,8 +16,6 @@ from weavecell.api.target import build_target
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
 
-__all__ = ["fabric", "setup"]
-
 
 def fabric(
     name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective"

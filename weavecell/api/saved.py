@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-__all__ = ["SavedResult", "load", "overlay"]
-
 # what a folder has of one kind of result, the first that is there: its JSON file, and its table
 KINDS = {
     "difference.json": "difference.csv",

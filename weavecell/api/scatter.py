@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.v50 import Study
 
-__all__ = ["V50Result", "v50"]
-
 
 NAMES = ("v50.json", "v50.csv", "shots.csv", "v50.png", "scene.toml", "report.html")
 

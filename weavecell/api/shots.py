@@ -69,8 +69,6 @@ if TYPE_CHECKING:
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
     from weavecell.studies.window import Window
 
-__all__ = ["ShotResult", "impact"]
-
 RANGE = "range"  # folder of the finished shots of the range over what is assumed
 WINDOW = "window"  # folder of the finished shots at other velocities
 SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from unitcell3d.identify.response_surface import Sampled
     from weavecell.studies.energy_map import EnergyMap
 
-__all__ = ["SurfaceResult", "surface"]
-
 SHOWN = {
     "T1": (1.0, "N"),
     "T2": (1.0, "N"),

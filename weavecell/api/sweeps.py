@@ -46,9 +46,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.quality import Indicator
-
-__all__ = ["SweepResult", "SweepTable", "sweep"]
+    from shellfabric.membrane.indicator import Indicator
 
 SEED = "panel.strength.seed"
 # shots beside the bracket of a limit that look for mixed outcomes, at most

@@ -12,6 +12,7 @@ import gc
 import logging
 import sys
 from collections.abc import Callable, Iterable
+from operator import attrgetter
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -20,8 +21,6 @@ import weavecell
 from fabrics.base import door, extras
 from fabrics.base.errors import InputError, WeavecellError, marked
 from weavecell import api
-from weavecell.api import crossover
-from weavecell.cli import from_signature
 from weavecell.results import out_folder, progress, termination
 
 INTERRUPTED = 130
@@ -30,46 +29,47 @@ INTERRUPTED = 130
 # and again took a twentieth of its time
 COLLECT_EVERY = 10_000
 
-# command: function of the Python interface, arguments that its help ends with, and which keywords
-# of `weavecell.setup` are options; in the order of the help
-COMMANDS: dict[str, tuple[Callable, *tuple[str, ...]]] = {
-    "mesh": (api.mesh, "S-720 --patch 3x4 --mesh coarse --format vtu,k"),
-    "calibrate": (api.calibrate, "S-720 --mesh coarse"),
-    "surface": (api.surface, "S-720 --mesh coarse --points 11"),
-    "impact": (api.impact, "examples/S-720-stops.toml"),
-    "biaxial": (api.biaxial, "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
-    "coupon": (api.coupon, "examples/coupons/S-728-bias.toml"),
-    "compare": (api.compare, "A.toml B.toml --shots 40", "opening", "plies"),
-    "reduce tests": (api.reduce_tests, "tests.csv examples/S-728-pack.toml"),
+# command: name of its function in the Python interface, which is loaded when the command is called,
+# arguments that its help ends with, and which keywords of `weavecell.setup` are options; in the
+# order of the help
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "mesh": ("mesh", "S-720 --patch 3x4 --mesh coarse --format vtu,k"),
+    "calibrate": ("calibrate", "S-720 --mesh coarse"),
+    "surface": ("surface", "S-720 --mesh coarse --points 11"),
+    "impact": ("impact", "examples/S-720-stops.toml"),
+    "biaxial": ("biaxial", "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
+    "coupon": ("coupon", "examples/coupons/S-728-bias.toml"),
+    "compare": ("compare", "A.toml B.toml --shots 40", "opening", "plies"),
+    "reduce tests": ("reduce_tests", "tests.csv examples/S-728-pack.toml"),
     "reduce compression": (
-        api.reduce_compression,
+        "reduce_compression",
         "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",
     ),
-    "reduce shot": (api.reduce_shot, "flight.csv --mass '3 g' --bandwidth '20 kHz'"),
-    "patch": (api.patch, "examples/S-720-stops.toml --struck crossover"),
-    "critical-velocity": (api.critical_velocity, "S-720 --tolerance '1 m/s'"),
-    "crossover yarn": (crossover.yarn, "S-720 --yarn weft"),
-    "crossover platens": (crossover.platens, "S-720 --pressure '20 MPa'"),
-    "crossover stack": (crossover.stack, "S-720 --plies 4"),
-    "crossover biaxial": (crossover.biaxial, "S-720 --end-displacement '0.02 mm'"),
-    "crossover path": (crossover.path, "S-720 --path examples/crossover-path.csv"),
-    "crossover shear": (crossover.shear, "S-720 --shear-angle '50 deg' --mesh coarse"),
-    "crossover pull-out": (crossover.pull_out, "S-720 --friction 0.2"),
-    "v50": (api.v50, "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
-    "sweep": (api.sweep, "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
-    "export": (api.export, "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
-    "show": (api.show, "S-720"),
-    "cite": (api.cite, "results/S-720-stops"),
-    "view": (api.view, "results/S-720-stops --screenshot panel.png"),
-    "new": (api.new_shot, "shot.toml"),
-    "fabrics list": (api.fabrics, ""),
-    "fabrics new": (api.new_fabric, "mine.toml --from mine.csv"),
-    "projectiles list": (api.projectiles, ""),
-    "metals list": (api.metals, ""),
-    "backings list": (api.backings, ""),
+    "reduce shot": ("reduce_shot", "flight.csv --mass '3 g' --bandwidth '20 kHz'"),
+    "patch": ("patch", "examples/S-720-stops.toml --struck crossover"),
+    "critical-velocity": ("critical_velocity", "S-720 --tolerance '1 m/s'"),
+    "crossover yarn": ("crossover.yarn", "S-720 --yarn weft"),
+    "crossover platens": ("crossover.platens", "S-720 --pressure '20 MPa'"),
+    "crossover stack": ("crossover.stack", "S-720 --plies 4"),
+    "crossover biaxial": ("crossover.biaxial", "S-720 --end-displacement '0.02 mm'"),
+    "crossover path": ("crossover.path", "S-720 --path examples/crossover-path.csv"),
+    "crossover shear": ("crossover.shear", "S-720 --shear-angle '50 deg' --mesh coarse"),
+    "crossover pull-out": ("crossover.pull_out", "S-720 --friction 0.2"),
+    "v50": ("v50", "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
+    "sweep": ("sweep", "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
+    "export": ("export", "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),
+    "show": ("show", "S-720"),
+    "cite": ("cite", "results/S-720-stops"),
+    "view": ("view", "results/S-720-stops --screenshot panel.png"),
+    "new": ("new_shot", "shot.toml"),
+    "fabrics list": ("fabrics", ""),
+    "fabrics new": ("new_fabric", "mine.toml --from mine.csv"),
+    "projectiles list": ("projectiles", ""),
+    "metals list": ("metals", ""),
+    "backings list": ("backings", ""),
 }
 # functions that forecast what a command takes, which its option --check calls
-FORECASTS: dict[str, Callable] = {"impact": api.size_of}
+FORECASTS = {"impact": "size_of"}
 # group: what it is, and the command that its help ends with
 GROUPS = {
     "crossover": ("The 3D crossover under a load.", "shear S-720"),
@@ -81,12 +81,21 @@ GROUPS = {
 }
 
 
-def program(word: str = "") -> typer.Typer:
-    """Build the command line; if `word` names a command or a group, that alone, since each takes 10
-    ms to make."""
-    chosen = {
-        name: entry for name, entry in COMMANDS.items() if name.partition(" ")[0] == word
-    } or COMMANDS
+def find_function(name: str) -> Callable[..., Any]:
+    """Load a function of the Python interface by its name, such as `impact` or `crossover.yarn`."""
+    return attrgetter(name)(api)
+
+
+def program(word: str | None = None) -> typer.Typer:
+    """Build the command line.
+
+    Parameters
+    ----------
+    word : command or group that is called, which alone gets its options, from the functions that it
+        loads; of another word the commands are names, as the list of commands has them. None gives
+        all of them their options.
+    """
+    called = [name for name in COMMANDS if word in (None, name.partition(" ")[0])]
     app = typer.Typer(
         name="weavecell",
         no_args_is_help=True,
@@ -103,12 +112,40 @@ def program(word: str = "") -> typer.Typer:
         groups[name] = typer.Typer(no_args_is_help=True, help=text, rich_markup_mode="rich")
         epilog = f"Example: [bold]weavecell {name} {example}[/bold]"
         app.add_typer(groups[name], name=name, epilog=epilog)
-    for name, (function, *rest) in chosen.items():
-        group, _, word = name.rpartition(" ")
-        forecast = FORECASTS.get(name)
-        command, epilog = from_signature.command(function, name, *rest, forecast=forecast)
-        groups[group].command(word, epilog=epilog)(command)
+    for name in called:
+        _add_command(groups, name)
+    if not called:
+        _add_names(groups)
     return app
+
+
+def _add_command(groups, name):
+    """Add a command with its options."""
+    from weavecell.cli import from_signature
+
+    function, *rest = COMMANDS[name]
+    forecast = None
+    if name in FORECASTS:
+        forecast = find_function(FORECASTS[name])
+    command, epilog = from_signature.command(
+        find_function(function), name, *rest, forecast=forecast
+    )
+    group, _, word = name.rpartition(" ")
+    groups[group].command(word, epilog=epilog)(command)
+
+
+def _add_names(groups):
+    """Add all commands as the list of commands has them, for which nothing is loaded."""
+    for name, (function, *_) in COMMANDS.items():
+        group, _, word = name.rpartition(" ")
+        text = ""
+        if not group:
+            text = " ".join(api.read_docstring(function).partition("\n\n")[0].split())
+        groups[group].command(word, help=text)(_do_nothing)
+
+
+def _do_nothing() -> None:
+    pass
 
 
 def _version(wanted: bool) -> None:
@@ -167,7 +204,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
         if words and words[0] in weavecell.REMOVED:
             raise InputError(f"the command {words[0]} was removed: {weavecell.REMOVED[words[0]]}")
         with termination.interrupt_on_sigterm(), door.open_terminal():
-            code = program(words[0] if words else "")(args=words, standalone_mode=False)
+            code = program(" ".join(words[:1]))(args=words, standalone_mode=False)
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:

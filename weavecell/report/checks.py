@@ -7,11 +7,11 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fabrics.base.errors import DoubtfulError
-from shellfabric.membrane.quality import DOUBTFUL, NOTED, OK, status
+from shellfabric.membrane.indicator import DOUBTFUL, NOTED, OK, status
 from weavecell.report.page import Section, Table
 
 if TYPE_CHECKING:
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
     from weavecell.studies.ballistic_limit import Limit, Shot
 
 # the printed line names so many indicators

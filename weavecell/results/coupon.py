@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from shellfabric.coupon.dynamic_relaxation import State
     from shellfabric.coupon.pull_out import PullOutCurve
     from shellfabric.coupon.solver import Result
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
 
 FORMAT = "weavecell coupon 2"
 CHECKPOINT = "weavecell coupon checkpoint 3"

@@ -11,10 +11,10 @@ from html import escape
 from importlib import resources
 from typing import TYPE_CHECKING
 
-from shellfabric.membrane.quality import OK
+from shellfabric.membrane.indicator import OK
 
 if TYPE_CHECKING:
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
 
 
 @cache

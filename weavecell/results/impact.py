@@ -28,18 +28,18 @@ from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.files import read_hdf5, write_hdf5
 from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
-from shellfabric.impact.result import ImpactData, ImpactResult
+from shellfabric.impact.data import ImpactData
 from shellfabric.loop.cone import find_foot
-from shellfabric.membrane.quality import status
-from shellfabric.projectile.projectile import turn_about
+from shellfabric.membrane.indicator import status
 from weavecell.results import display, json_file, keys
 from weavecell.results.hdf5_file import plain, put, read_group, write_group
 from weavecell.results.impact_shapes import OF_YARNS, Cut, Peak, Shape, TurnedBody
 from weavecell.results.keys import TABLES
-from weavecell.studies import rigidity
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+    from shellfabric.impact.result import ImpactResult
 
 
 # name and version of the files
@@ -108,6 +108,7 @@ class ImpactRecord(ImpactData):
         """Make the record of a `shellfabric.impact.result.ImpactResult`; `more` fields of a derived
         class."""
         from shellfabric.loop.snapshots import quads
+        from weavecell.studies import rigidity
 
         setup = result.setup
         panels = result.panels
@@ -315,6 +316,8 @@ class ImpactRecord(ImpactData):
         nearest = min(self.cuts, key=lambda cut: abs(cut.time - t), default=None)
         if nearest is None or self.metal is None:
             return self.projectile
+        from shellfabric.projectile.projectile import turn_about
+
         return turn_about(nearest.body[self.metal.outline], self.projectile.shape[1])
 
     def bodies(self) -> list[tuple[TurnedBody, float]]:
@@ -463,7 +466,7 @@ class ImpactRecord(ImpactData):
     def read(cls, path: FilePath) -> Self:
         """Read what `write` wrote; InputError if the file is not one of these."""
         from shellfabric.block.coupling import BackingResult
-        from shellfabric.membrane.quality import Indicator
+        from shellfabric.membrane.indicator import Indicator
         from shellfabric.metal.body import MetalHistory
         from shellfabric.projectile.dynamics import BarHistory
 

@@ -11,7 +11,6 @@ from fabrics import assumed, backings, data_sheet, metals, projectiles
 from fabrics.base.errors import InputError
 from fabrics.base.files import parse_toml
 from fabrics.materials import read_table
-from shellfabric.yarns.model import DATA as OF_RESOLVED_YARNS
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
@@ -100,7 +99,9 @@ def _of_scene(scene: Mapping[str, Any]) -> Iterator[Source]:
             yield from _of_rows("block of the thesis", read_table("backing"))
     panel = scene.get("panel", {})
     if panel.get("crossovers", "pinned") != "pinned":
-        yield from _of_rows("resolved yarns", OF_RESOLVED_YARNS)
+        from shellfabric.yarns.model import DATA
+
+        yield from _of_rows("resolved yarns", DATA)
     if "plies" in panel or "ply" in panel:
         gap = data_sheet.entries()["ply_gap"]
         yield Source("pack", "ply_gap", gap.status, gap.source)

@@ -27,8 +27,8 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.membrane import quality
 from shellfabric.membrane.boundary import Grip
+from shellfabric.membrane.indicator import DOUBTFUL, status
 from weavecell.studies import inputs
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
@@ -382,7 +382,7 @@ def critical_velocity(
 
 def doubtful(shot: Any) -> bool:
     """Tell whether a quality check of a shot is beyond its limit."""
-    return quality.status(shot.checks) == quality.DOUBTFUL
+    return status(shot.checks) == DOUBTFUL
 
 
 def run_ends(

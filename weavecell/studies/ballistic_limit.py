@@ -64,7 +64,7 @@ class Shot:
     peak_tension : (warp, weft) [N] the highest of any ply, in its own weave
     balance : [-] error of the energy balance over the strike energy, the worst of the run
     wall_time : [s] of the time integration
-    checks : tuple of quality.Indicator
+    checks : tuple of Indicator
     """
 
     strike_velocity: float
@@ -84,7 +84,7 @@ class Shot:
     @property
     def status(self) -> str:
         """ "ok", "noted" or "doubtful": that of its worst check."""
-        return quality.status(self.checks)
+        return status(self.checks)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from shellfabric.yarns.model import aim
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.quality import Indicator
+    from shellfabric.membrane.indicator import Indicator
     from weavecell.studies.ballistic_limit import Limit
 
 

@@ -4,11 +4,13 @@ their strengths (thesis Figures 5-34 to 5-36)."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shellfabric.cell.model import CellModel
-from shellfabric.cell.surface_cell import SurfaceCell
+if TYPE_CHECKING:
+    from shellfabric.cell.model import CellModel
+    from shellfabric.cell.surface_cell import SurfaceCell
 
 STATES = 121  # of a cell along each side
 
@@ -50,6 +52,8 @@ def map_energy(cell: CellModel | SurfaceCell) -> EnergyMap:
     ----------
     cell : of the fabric's law, or of a sampled surface; its reach decides how far the strains go
     """
+    from shellfabric.cell.model import CellModel
+
     weave = cell.fabric.weave
     w1, w2 = weave.w
     if isinstance(cell, CellModel):

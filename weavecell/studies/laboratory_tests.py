@@ -17,7 +17,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_csv, read_number
 from fabrics.base.units import refused, si
-from shellfabric.membrane import quality
+from shellfabric.membrane.indicator import status
 from weavecell.studies import lambert_jonas, probit, protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.lambert_jonas import LambertJonas
@@ -310,7 +310,7 @@ def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison
     columns = {
         "computed": [shot.outcome for shot in shots],
         "computed residual velocity [m/s]": [shot.residual_velocity for shot in shots],
-        "checks": [quality.status(shot.checks) for shot in shots],
+        "checks": [status(shot.checks) for shot in shots],
     }
     table = reduced.table.assign(**columns)
     computed = _fit(table, "computed", limit.velocity if limit.single else None)

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from fabrics.base.checks import refuse
+from shellfabric.membrane.indicator import Indicator
 from shellfabric.membrane.model import Panel
-from shellfabric.membrane.quality import Indicator
 from shellfabric.plies.model import Pack
 from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot, shoot
 

@@ -11,6 +11,7 @@ from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane import quality
+from shellfabric.membrane.indicator import OK, status
 from weavecell.studies import inputs, pack_limit, v50
 from weavecell.studies import limit as limits
 from weavecell.studies.limit_scan import ScanRange
@@ -58,7 +59,7 @@ def row(
             return {
                 "outcome": f"not determined: {reason}" if reason else "fitted",
                 **study.summary(),
-                "checks": f"doubtful: {names}" if names else quality.OK,
+                "checks": f"doubtful: {names}" if names else OK,
             }
         if quantity == "shot":
             return shot(setup)
@@ -136,8 +137,8 @@ def _bracketed(limit):
 def _with_reasons(indicators):
     """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and
     its limit."""
-    status = quality.status(indicators)
-    reasons = "; ".join(str(indicator) for indicator in indicators if indicator.status == status)
-    if status == quality.OK:
-        return status
-    return f"{status}: {reasons}"
+    worst = status(indicators)
+    reasons = "; ".join(str(indicator) for indicator in indicators if indicator.status == worst)
+    if worst == OK:
+        return worst
+    return f"{worst}: {reasons}"

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.testing import assert_array_equal
 
-from shellfabric.impact.result import ImpactData, ImpactResult
+from shellfabric.impact.data import ImpactData
+from shellfabric.impact.result import ImpactResult
 
 # two instants of three plies, all of them unlike
 PLIES = {

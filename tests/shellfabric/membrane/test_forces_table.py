@@ -19,6 +19,7 @@ from shellfabric.jit.table import Row, array, number, tally, total
 from shellfabric.loop import checkpoint, pack_solver
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import quality
+from shellfabric.membrane.indicator import Indicator
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.parts import Part, own_steps
 from shellfabric.plies.model import Pack
@@ -296,7 +297,7 @@ class TwoPlates(Part):
         return None
 
     def indicators(self):
-        return (quality.Indicator("plates apart", abs(np.ptp(self.row.x)), 1e-3, "m"),)
+        return (Indicator("plates apart", abs(np.ptp(self.row.x)), 1e-3, "m"),)
 
     def result(self, clock, steps):
         return {"plates": (clock[-1], len(steps))}

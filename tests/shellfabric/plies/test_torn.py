@@ -14,6 +14,7 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.jit.table import Rows
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import packing_kernels, quality
+from shellfabric.membrane.indicator import NOTED
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import law_kernels
 from shellfabric.state import ERODED
@@ -128,4 +129,4 @@ def test_collisions_of_plies_that_the_mesh_makes_are_said():
     share = march.sample("ply_collisions")[-1] / march.strike_energy
     assert found.value == pytest.approx(max(share, 0.0))
     assert quality.indicator("ply collisions", 0.17).doubtful
-    assert quality.indicator("ply collisions", 0.07).status == quality.NOTED
+    assert quality.indicator("ply collisions", 0.07).status == NOTED

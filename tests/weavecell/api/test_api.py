@@ -19,7 +19,7 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.base.schema import tables_in
 from fabrics.compression import CompressionLaw
-from shellfabric.membrane.quality import Indicator
+from shellfabric.membrane.indicator import Indicator
 from tests.programs import printed
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities

@@ -5,6 +5,7 @@ import inspect
 import re
 import subprocess
 import sys
+from operator import attrgetter
 
 import pytest
 import typer
@@ -93,7 +94,8 @@ def test_all_commands_are_listed_with_what_they_do(command, monkeypatch):
 
 def test_the_options_of_a_command_are_the_parameters_of_its_function():
     root = typer.main.get_command(app.program())
-    for words, (function, _, *keywords) in app.COMMANDS.items():
+    for words, (public_name, _, *keywords) in app.COMMANDS.items():
+        function = app.find_function(public_name)
         command = root
         for word in words.split():
             command = command.commands[word]
@@ -105,11 +107,7 @@ def test_the_options_of_a_command_are_the_parameters_of_its_function():
         options = {entry.name for entry in command.params} - {"strict"}
         assert own >= options >= own - {"test", "velocity"}, words
         assert all(entry.help for entry in command.params), words
-        name = function.__name__
-        assert function in (
-            getattr(weavecell, name, None),
-            getattr(weavecell.crossover, name, None),
-        )
+        assert attrgetter(public_name)(weavecell) is function
 
 
 def test_version(command):
@@ -155,7 +153,20 @@ def test_as_module_and_without_heavy_imports():
         "for words in (['--help'], *([*name.split(), '--help'] for name in app.COMMANDS)):\n"
         "    try: app.main(words)\n"
         "    except SystemExit: pass\n"
-        f"print(sorted({HEAVY} & set(sys.modules)))"
+        f"print(sorted({HEAVY | {'numba'}} & set(sys.modules)))"
+    )
+    assert done.stdout.strip().endswith("[]")
+
+
+@pytest.mark.parametrize("words", ["--help", "--version", "impcat"])
+def test_words_that_call_no_command_load_none(words):
+    """Neither its function nor what all of them share, such as numbers of fabrics."""
+    done = in_a_program(
+        "import sys\nfrom weavecell.cli import app\n"
+        f"try: app.main(['{words}'])\n"
+        "except SystemExit: pass\n"
+        "late = ('scipy', 'weavecell.api.', 'shellfabric', 'fabrics.families')\n"
+        "print(sorted(name for name in sys.modules if name.startswith(late)))"
     )
     assert done.stdout.strip().endswith("[]")
 

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import weavecell
 from fabrics import catalogue
-from shellfabric.membrane.quality import Indicator
+from shellfabric.membrane.indicator import Indicator
 from tests.weavecell.session_runs import fired
 from weavecell.report import chapters, pictures
 from weavecell.report.page import Embedded, Report, Section, Table

@@ -9,7 +9,7 @@ import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import DoubtfulError
 from shellfabric.membrane import quality
-from shellfabric.membrane.quality import Indicator
+from shellfabric.membrane.indicator import Indicator
 from tests.scene_text import impact_scene
 from validation.models.cable.smith import smith
 from weavecell.report import checks

@@ -7,7 +7,8 @@ from html import escape, unescape
 import pytest
 
 from fabrics import assumed, catalogue
-from shellfabric.membrane.quality import LIMITS, Indicator
+from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.quality import LIMITS
 from weavecell.report.page import Card, Figure, Report, Section, Table, render
 from weavecell.report.shot.chapters_shot import OF_A_DESIGNER
 from weavecell.results import glossary, keys
