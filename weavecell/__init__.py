@@ -47,7 +47,9 @@ def __getattr__(name: str) -> Any:
     """A public name, or the list of them."""
     import weavecell.api as api
 
-    if name == "__all__" or name in api.__all__:
+    if name == "__all__":
+        return dir(api)
+    if name in dir(api):
         return getattr(api, name)
     if name in REMOVED:
         raise AttributeError(f"weavecell.{name} was removed: {REMOVED[name]}")
@@ -57,4 +59,4 @@ def __getattr__(name: str) -> Any:
 def __dir__() -> list[str]:
     import weavecell.api as api
 
-    return sorted(api.__all__)
+    return dir(api)

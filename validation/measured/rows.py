@@ -180,7 +180,9 @@ def compute(case: Case) -> tuple[Any, float, float]:
     if case.measure == "growth":
         return _growth(case)
     if case.measure == "v50":
-        counts = {key: int(case.options[key]) for key in ("shots", "batch") if key in case.options}
+        counts: dict[str, Any] = {
+            key: int(case.options[key]) for key in ("shots", "batch") if key in case.options
+        }
         found = wc.v50(case.setup(), **counts).summary()
         wide = found["v50_high_m_s"] - found["v50_low_m_s"]
         return found["v50_m_s"], wide / V50_INTERVAL, found["energy_error_max"]

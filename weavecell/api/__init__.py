@@ -21,7 +21,6 @@ def _read_public():
 
 
 _HOLDERS = _read_public()
-__all__ = sorted(_HOLDERS)
 
 
 def __getattr__(name: str) -> Any:
@@ -36,7 +35,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted(_HOLDERS)
 
 
 def read_docstring(name: str) -> str:

@@ -33,7 +33,7 @@ from shellfabric import guards
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.driver import STOPPED
 from shellfabric.loop.pack_solver import PackSolver
-from shellfabric.membrane import quality
+from shellfabric.membrane import indicator, quality
 from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
 from weavecell.studies import inputs
@@ -84,7 +84,7 @@ class Shot:
     @property
     def status(self) -> str:
         """ "ok", "noted" or "doubtful": that of its worst check."""
-        return status(self.checks)
+        return indicator.status(self.checks)
 
 
 @dataclass(frozen=True)
