@@ -12,6 +12,7 @@ others are integers unless its decorator says more.
 """
 
 from shellfabric.jit.compile import units
+from shellfabric.jit.declared import row_of
 from shellfabric.jit.table import (
     Row,
     array,
@@ -25,6 +26,7 @@ from shellfabric.jit.table import (
     tally,
     total,
 )
+from shellfabric.panel_numbers import PanelNumbers
 
 # numbers of the two families of yarns
 WARP = 0
@@ -39,6 +41,9 @@ WEFT_FAILED = 2
 ERODED = 4
 DRAWN_OUT = 8
 RESOLVED = 16
+
+
+Numbers = row_of(PanelNumbers)
 
 
 class FailureLines(Row):
@@ -228,6 +233,7 @@ class Constants(Row):
         "N", "half of the lowest strength of a warp line: tensions below need no closer look"
     )
     half_strength2 = number("N", "half of the lowest strength of a weft line")
+    panel = row(Numbers, "numbers of the panel, as they are declared (`panel_numbers`)")
     rate_law = row(RateTable, "strength of the yarns by strain rate")
     erosion_gap_ratio = number(
         "-", "stretch of the gap left by failed yarns at which an element is eroded"

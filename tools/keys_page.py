@@ -148,10 +148,8 @@ def _solver_defaults():
     """{key: default} of keys that the input file leaves to the objects of the solver, or to the data of the block."""
     from fabrics.materials import Isotropic, load
     from shellfabric.block.block import Backing
-    from shellfabric.membrane.numerics import Numerics
 
-    known = {f"numerics.{entry.name}": entry.default for entry in fields(Numerics)}
-    known |= {
+    known = {
         f"backing.{entry.name}": entry.default
         for entry in fields(Backing)
         if entry.name != "material"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from fabrics.base.schema import unit_of
@@ -88,7 +89,8 @@ def kind(key: str, field: Any) -> str:
     if get_origin(field.annotation) is Literal:
         names = ", ".join(f'"{name}"' for name in get_args(field.annotation))
         return f"Literal[{names}]"
-    written = field.annotation.__name__
+    (single,) = set(get_args(field.annotation) or (field.annotation,)) - {NoneType}
+    written = single.__name__
     if written == "float":
         written = "Number"
         if unit_of(field):

@@ -46,6 +46,9 @@ TUPLES = ("unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[2]
 # threads of a kernel that wait for each other sleep: those that spin take the time of other runs
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# files that no machine code depends on: the decorators import this one, and what the others declare is
+# in the names of the types of rows (`shellfabric.jit.declared`)
+NO_CODE = ("fabrics/base/kernel_cache.py", "fabrics/base/schema.py", "shellfabric/panel_numbers.py")
 # kernels import at the head of their file
 IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*|.*)", re.MULTILINE)
 # a kernel that is compiled by itself (`shellfabric.jit.compile.units`): what its callers know of it
@@ -363,12 +366,7 @@ def kernel_sources(file: Path, root: Path = ROOT) -> list[tuple[str, bytes]]:
     waiting = [file]
     while waiting:
         path = waiting.pop()
-        # no machine code depends on this very file, which the decorators import
-        if (
-            path in whole
-            or path == root / "fabrics" / "base" / Path(__file__).name
-            or not path.is_file()
-        ):
+        if path in whole or path in {root / name for name in NO_CODE} or not path.is_file():
             continue
         whole.add(path)
         for imported, names in _imports(path, root):

@@ -16,11 +16,13 @@ units, and objects may stand where a file names one.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from functools import cache
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_type_hints
 
 from pydantic import (
     BaseModel,
@@ -48,6 +50,14 @@ class Table(BaseModel):
     """A table of a file: nothing but its own keys, each of its own type."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        """Put keys that a dataclass declares (`key`) behind the table's own; pydantic begins with what
+        is inherited."""
+        late = getattr(cls, "__dataclass_fields__", {})
+        found = cls.__pydantic_fields__
+        cls.__pydantic_fields__ = dict(sorted(found.items(), key=lambda item: item[0] in late))
 
     def sets(self, key: str) -> bool:
         """Tell whether a key is set to something other than its default."""
@@ -149,6 +159,18 @@ class StandardShot:
     value: str
 
 
+@dataclass(frozen=True)
+class ReadBy:
+    """Mark a number with the models that read it; others refuse it (`refuse_unread`).
+
+    Parameters
+    ----------
+    models : their names, between blanks
+    """
+
+    models: str
+
+
 def mark(entry: FieldInfo, kind: type[Mark]) -> Mark | None:
     """Return the mark of a kind that a field has, or None."""
     for part in entry.metadata:
@@ -165,6 +187,44 @@ def marked(table: type[Table], kind: type[Mark]) -> dict[str, Mark]:
         if own is not None:
             found[key] = own
     return found
+
+
+def key(kind: Any, read_by: str) -> FieldInfo:
+    """Declare a number of a dataclass, `name: Annotated[float, key(number(...), "models")] = 0.0`: all
+    that is said of it is said there, and a Table that inherits from the dataclass has it as a key.
+
+    Parameters
+    ----------
+    kind : what the field of a Table would be annotated with
+    read_by : models that read it, see `ReadBy`
+    """
+    field = FieldInfo.from_annotation(kind)
+    field.metadata.append(ReadBy(read_by))
+    return field
+
+
+@cache
+def declared(kind: type) -> dict[str, FieldInfo]:
+    """Return {name: field} of the numbers that a dataclass declares (`key`)."""
+    hints = get_type_hints(kind, include_extras=True)
+    names = [entry.name for entry in dataclasses.fields(kind)]
+    return {name: FieldInfo.from_annotation(hints[name]) for name in names}
+
+
+def refuse_unread(kind: type, values: Any, model: str, words: str) -> None:
+    """Raise an InputError for the first number that a dataclass `kind` declares, that `values` sets
+    to something other than its default, and that a model does not read.
+
+    Parameters
+    ----------
+    words : the model in words, for the message
+    """
+    usual = kind()
+    for name, field in declared(kind).items():
+        read = mark(field, ReadBy)
+        value = getattr(values, name)
+        if read and model not in read.models.split() and value != getattr(usual, name):
+            raise InputError(key=name, value=value, allowed=f"left out with {words}")
 
 
 def described(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, product
@@ -19,7 +19,6 @@ from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90
-from shellfabric.block.block import Backing
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
@@ -27,11 +26,9 @@ from shellfabric.impact.plausible_numbers import list_numbers
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.loop import histories
 from shellfabric.membrane import boundary
-from shellfabric.membrane.boundary import Boundary
 from shellfabric.membrane.model import Panel
-from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.panel_setup import PanelSetup
 from shellfabric.plies.model import Pack, PlyContact, at_angle
-from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnPanel, YarnZone, lie_anywhere
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
@@ -63,7 +60,7 @@ class Ply:
 
 
 @dataclass(frozen=True)
-class ImpactSetup:
+class ImpactSetup(PanelSetup):
     """A projectile that strikes the middle of a panel of one ply or several.
 
     Parameters
@@ -71,41 +68,24 @@ class ImpactSetup:
     fabric : Fabric; its linear densities are used as they are (see Fabric.effective)
     strike_velocity : [m/s] along the projectile's line of flight
     laws : (CompressionLaw, CompressionLaw) of warp and weft; None takes the fabric's published ones
-    projectile : Projectile
     opening : [m] side of the square opening, or both sides: along warp and weft, but for an oblique
         weave
-    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
-        `boundary`)
-    weave_angle : [rad] of the warp against the first side of the opening
-    round : whether the opening is a circle with the diameter `opening`
-    impact_point : [m] from the middle of the opening, along its two sides
-    symmetry : "quarter", "half" or "whole"
-    grading : ((until, side), ...) [crossovers] longer elements further from the impact point, or
-        None (see `grading`)
     end_time : [s] at the latest; a run ends when the projectile stops or has passed
     elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is
         none 1, or as many as put an element's longer side within ELEMENT_SIDE of the projectile's
         radius, at most MOST_ELEMENTS
     cell_model, cell_formulation, crossover_gap : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
-    packed_area : [-] share of its area at rest that packed fabric keeps; see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see
         surface_cell.SurfaceCell
     table_size : stretches along each side of the cell's table; 201 puts its tensions within 0.2 %
         of the yarn's strength of the cell's
     audit_interval, snapshot_interval : [s]; no snapshots where None
-    rate_dependence : whether the strength of yarns follows their strain rate, and their modulus is
-        that of the highest rate of the fabric's `strain_rate`
-    yarn_failure : whether yarns fail. Where they do not, the table goes to UNFAILING times their
-        failure strain
-    backing : Backing, the block behind the fabric, or None
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for
         nothing
-    numerics : Numerics
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     instead : YarnZone of yarns that are resolved if a run with pinned ones says that these are not
         enough; what cannot choose refuses it (`target`)
-    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
     plies : number of plies, all of this fabric
     stacking : "aligned", or "alternating": every other ply turned by a right angle
     ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
@@ -116,6 +96,8 @@ class ImpactSetup:
     lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and
         `laws`, `plies` is their number, and stacking and ply_gap are not used. Empty for plies that
         are
+    others : see `PanelSetup`. Where yarns do not fail, the table goes to UNFAILING times their failure
+        strain; with `rate_dependence` their modulus is that of the highest rate
 
     Raises
     ------
@@ -126,30 +108,18 @@ class ImpactSetup:
     fabric: Fabric
     strike_velocity: float
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
-    projectile: Projectile = field(default_factory=Projectile)
     opening: float | tuple[float, float] = 0.203
-    boundary: Boundary = "clamped"
-    weave_angle: float = 0.0
-    round: bool = False
-    impact_point: tuple[float, float] = (0.0, 0.0)
-    symmetry: str = "quarter"
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
     cell_model: str = "compressible"
     cell_formulation: str = "variational"
     crossover_gap: float = 0.0
     bending: float | tuple[float, float] = 0.0
-    packed_area: float = Panel.packed_area
     surface: ResponseSurface | None = None
     table_size: int = 201
     audit_interval: float = 2e-6
     snapshot_interval: float | None = None
-    yarn_failure: bool = True
-    rate_dependence: bool = False
-    backing: Backing | None = None
     history: histories.HistoryRequest | None = None
-    numerics: Numerics = field(default_factory=Numerics)
-    grading: tuple | None = None
     crossovers: YarnZone | None = None
     plies: int = 1
     stacking: str = "aligned"
@@ -159,7 +129,6 @@ class ImpactSetup:
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
     instead: YarnZone | None = None
-    yarn_friction: float | None = None
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
@@ -485,14 +454,10 @@ class ImpactSetup:
         """
         if self.meshed is not self:
             return self.meshed.panel(table)
-        shared = {entry.name for entry in fields(Panel)} & {entry.name for entry in fields(self)}
-        own: dict[str, Any] = {name: getattr(self, name) for name in shared}
-        own |= {
-            name: tuple(np.broadcast_to(getattr(self, name), 2).tolist())
-            for name in ("opening", "bending")
-        }
-        own |= {
+        own: dict[str, Any] = self.of_ply() | {
             "table": table or self.table(),
+            "opening": tuple(np.broadcast_to(self.opening, 2).tolist()),
+            "bending": tuple(np.broadcast_to(self.bending, 2).tolist()),
             "elements_per_crossover": self.resolved_elements_per_crossover,
         }
         if self.crossovers is not None:

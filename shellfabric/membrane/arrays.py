@@ -17,7 +17,7 @@ from shellfabric.membrane.motion_kernels import AT_REST
 from shellfabric.membrane.slots import by_node
 from shellfabric.parts import make_table, parts_of
 from shellfabric.projectile import contact, window_kernels
-from shellfabric.state import Constants, State, Surface, Work
+from shellfabric.state import Constants, Numbers, State, Surface, Work
 from shellfabric.surface.nodal_force_kernels import clear_window
 
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
@@ -124,6 +124,7 @@ def _constants(panel):
         EA2=weft.EA,
         half_strength1=warp_lines.half_strength.min(),
         half_strength2=weft_lines.half_strength.min(),
+        panel=Numbers.of(panel),
         rate_law=failure.rate_table(panel.rate_law),
         erosion_gap_ratio=numerics.erosion_gap,
         window_limits=_near(panel, roaming),

@@ -35,6 +35,17 @@ def follow_mean(filtered, mean, half, factor):
 
 
 @kernel(_nrt=False)
+def load_of(panel, tension, strength, stiffness):
+    """Compute the load [-] of a segment, above 1 at failure: of its tension F by its strength, and by what
+    else yarns fail. It is in proportion to the tension.
+
+    panel : its numbers (`PanelNumbers`)
+    tension, strength, stiffness : [N] F, strength and EA of the yarn
+    """
+    return tension / strength
+
+
+@kernel(_nrt=False)
 def breaks(rate_law, family, dt, rate_damage, k, load):
     """Decide whether the segment at slot k fails under a load [-]; keep its damage where there is a
     law of the strain rate."""

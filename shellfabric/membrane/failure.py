@@ -7,14 +7,16 @@ The criterion and its equations: `membrane.failure_kernels`.
 from __future__ import annotations
 
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.fabric import Fabric
+from shellfabric.membrane.criterion_kernels import load_of
 from shellfabric.membrane.grid import PanelGrid
-from shellfabric.state import FailureLines, RateTable
+from shellfabric.state import FailureLines, Numbers, RateTable
 
 # of the strength: below it a tension is followed without a delay, above it low-passed
 WATCHED = 0.5
@@ -37,7 +39,7 @@ def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
         families.append(
             FailureLines(
                 strength=strength,
-                half_strength=half_strength(strength, law, own),
+                half_strength=half_strength(Numbers.of(panel), strength, yarn.EA, law, own),
                 first=first,
                 weights=weights,
                 filter_factor=filter_factor(panel.fabric, own, sides[own], panel.time_step),
@@ -52,10 +54,22 @@ def rate_table(law: FloatArray) -> RateTable:
     return RateTable(load=load, rate=rate, growth=growth)
 
 
-def half_strength(strength: FloatArray, law: FloatArray, family: int) -> FloatArray:
-    """Return the tension [N] below which an edge of a family is followed without a delay; `law` as
-    `Panel.rate_law`."""
+def half_strength(
+    numbers: Any, strength: FloatArray, stiffness: float, law: FloatArray, family: int
+) -> FloatArray:
+    """Return the tension [N] below which an edge of a family is followed without a delay: a share of
+    that at which the criterion has it fail.
+
+    Parameters
+    ----------
+    numbers : row of the `PanelNumbers`
+    strength : (n,) [N]; infinite where yarns do not fail
+    stiffness : [N] EA of the yarn
+    law : as `Panel.rate_law`
+    """
     half = WATCHED * strength
+    for k in np.flatnonzero(np.isfinite(strength)):
+        half[k] /= load_of.py_func(numbers, strength[k], strength[k], stiffness)
     if law.size:
         half *= law[family, 0, 0]
     return half

@@ -83,7 +83,9 @@ def find_failures(const, state, family, first, last):
     columns = const.nj + 1
     count = 0
     lowest = const.half_strength1
+    stiffness = const.EA1
     if family == WEFT:
+        stiffness = const.EA2
         lines = const.weft_lines
         columns = const.nj
         lowest = const.half_strength2
@@ -116,7 +118,7 @@ def find_failures(const, state, family, first, last):
             if slow[k] <= half:
                 continue
             state.warm_rows[family, i] = True
-            load = slow[k] / lines.strength[line]
+            load = criterion_kernels.load_of(const.panel, slow[k], lines.strength[line], stiffness)
             if criterion_kernels.breaks(
                 const.rate_law, family, const.dt, state.rate_damage[family], k, load
             ):

@@ -22,7 +22,7 @@ w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf, sqrt
 from operator import ge
@@ -33,15 +33,12 @@ import numpy as np
 from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import BoolArray, FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
-from fabrics.data_sheet import entries
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from shellfabric.block import coupling
-from shellfabric.block.block import Backing
 from shellfabric.cell.model import CellTable
 from shellfabric.membrane import boundary, forces, grading, time_step
-from shellfabric.membrane.boundary import Boundary
-from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.panel_setup import PanelSetup
 from shellfabric.parts import Part
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
@@ -50,7 +47,7 @@ SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, F
 
 
 @dataclass(frozen=True)
-class PanelGrid:
+class PanelGrid(PanelSetup):
     """A grid of crossovers about the impact point, from edge to edge of the opening, and the
     projectile before them.
 
@@ -61,37 +58,20 @@ class PanelGrid:
         whole crossovers fit from the centre to an edge (79 of 79.9 for S-720). Elements that are
         all alike are made longer to fill the rest; on a graded panel the last one is. Where neither
         can be, `held_opening` has what became of it
-    projectile : Projectile
-    symmetry : "quarter", "half" (x >= 0) or "whole"
     elements_per_crossover : along each side
-    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
-        `boundary`)
-    numerics : Numerics
     trellis : whether the fabric's shear law acts; a fabric without one has none
-    yarn_failure : whether yarns fail
-    rate_dependence : whether their strength follows the strain rate, by the fabric's `strain_rate`
-    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see
-        `boundary`)
-    round : whether the opening is a circle, of which `opening` has the diameter twice
-    impact_point : [m] from the middle of the opening, along its two sides
     bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies
         between the sum over its fibres, n E pi d^4 / 64, when they slide, and that of a solid
         section of its fibre area, E A^2 / 4 pi
     strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`,
         or None where all are alike. They are those of the modelled part: across a plane of symmetry
         a yarn has that of its image
-    backing : Backing, the block behind the fabric, or None (see `block.coupling`)
-    packed_area : [-] share of its area at rest that packed fabric keeps (see
-        `membrane.packing_kernels`)
-    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
-        the impact point, or None (see `grading`); not with grips at the edges
     parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
         of the panel
-    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
-        whether they would slip; None takes that which is assumed of the fabric
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
         axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
         it in it
+    others : see `PanelSetup`; of a round opening `opening` has the diameter twice
 
     Raises
     ------
@@ -101,24 +81,11 @@ class PanelGrid:
 
     table: CellTable
     opening: tuple[float, float] = (0.203, 0.203)
-    projectile: Projectile = field(default_factory=Projectile)
-    symmetry: str = "quarter"
     elements_per_crossover: int = 1
-    boundary: Boundary = "clamped"
-    numerics: Numerics = field(default_factory=Numerics)
     trellis: bool = True
-    yarn_failure: bool = True
-    rate_dependence: bool = False
-    weave_angle: float = 0.0
-    round: bool = False
-    impact_point: tuple[float, float] = (0.0, 0.0)
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
-    backing: Backing | None = None
-    packed_area: float = entries()["packed_area"].number
-    grading: tuple | None = None
     parts: tuple[Callable[[PanelGrid], Part], ...] = ()
-    yarn_friction: float | None = None
     ply_angle: float = 0.0
 
     def __post_init__(self):

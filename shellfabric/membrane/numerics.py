@@ -4,12 +4,93 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Annotated
 
 from fabrics.base.checks import not_negative, positive, refuse
+from fabrics.base.schema import described, key, number, whole
+
+
+@dataclass(frozen=True, kw_only=True)
+class NumericsKeys:
+    """Numerical parameters that are keys of the table [numerics]; as in `PanelNumbers` a line says all
+    of one. The contact of the nose with the membrane is that of pinned crossovers."""
+
+    cfl: Annotated[
+        float,
+        key(
+            number("time step over its stability bound (Courant factor)", 0.5, gt=0.0, le=1.0),
+            "pinned yarns",
+        ),
+    ] = 0.9
+    stretch_viscosity: Annotated[
+        float,
+        key(
+            number("damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0),
+            "pinned yarns",
+        ),
+    ] = 0.1
+    penalty: Annotated[
+        float,
+        key(
+            number(
+                "stiffness of the contact between projectile and fabric, in units of nodal mass over the square of "
+                "the time step",
+                0.3,
+                gt=0.0,
+            ),
+            "pinned",
+        ),
+    ] = 0.6
+    contact_damping: Annotated[
+        float,
+        key(
+            number("damping ratio of the contact between projectile and fabric", 0.6, ge=0.0),
+            "pinned",
+        ),
+    ] = 0.5
+    contact_points: Annotated[
+        int | None,
+        key(
+            whole(
+                "contact points along each side of a crossover; if not given 8, and more under a sharp nose",
+                1,
+                64,
+            ),
+            "pinned",
+        ),
+    ] = None
+    erosion_gap: Annotated[
+        float,
+        key(
+            number(
+                "length, over that at rest, at which an element whose yarns of one family have failed is eroded: it "
+                "leaves the contact with projectile, plies and block, with its mass; one without yarns does so at once",
+                2.0,
+                gt=1.0,
+            ),
+            "pinned",
+        ),
+    ] = 3.0
+    threads: Annotated[
+        int | None,
+        key(
+            Annotated[
+                int | None,
+                described(
+                    "threads that share the plies of a pack, at most one for each ply, and the bricks of a block. If "
+                    "not given, chosen by the size of the model. Results do not depend on it",
+                    "a number of threads",
+                    example=1,
+                    ge=1,
+                ),
+            ],
+            "pinned yarns",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
-class Numerics:
+class Numerics(NumericsKeys):
     """Numerical parameters, set by stability and convergence (docs/reports/numerics.md), none by an
     outcome.
 
@@ -43,15 +124,8 @@ class Numerics:
         plies where other processes use the processor (`loop.driver`). No result depends on it
     """
 
-    cfl: float = 0.9
-    stretch_viscosity: float = 0.1
-    penalty: float = 0.6
-    contact_damping: float = 0.5
-    contact_points: int | None = None
-    erosion_gap: float = 3.0
     clear_time: float = 2e-6
     block: int = 2000
-    threads: int | None = None
 
     def __post_init__(self):
         positive(self, "cfl", "penalty", "clear_time", "block")

@@ -200,7 +200,9 @@ def follow_segment(zone, family, n):
         zone.peak_segment[family] = n
     if zone.filtered[n] <= half:
         return
-    load = zone.filtered[n] / zone.strength[n]
+    load = criterion_kernels.load_of(
+        zone.panel, zone.filtered[n], zone.strength[n], zone.stiffness[family]
+    )
     zone.breaking[n] = criterion_kernels.breaks(
         zone.rate_law, family, zone.dt, zone.rate_damage, n, load
     )

@@ -19,13 +19,15 @@ from fabrics.assumed import friction_between_yarns
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.schema import refuse_unread
 from fabrics.families import entries
 from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
 from shellfabric.membrane.boundary import is_clamped
 from shellfabric.membrane.model import Panel
-from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.membrane.slots import by_node
+from shellfabric.panel_numbers import PanelNumbers
 from shellfabric.parts import Part, own_steps
 from shellfabric.state import DAMAGED, RESOLVED, WARP_FAILED, WEFT_FAILED, Constants, State
 from shellfabric.yarns.part import ResolvedYarns
@@ -39,8 +41,6 @@ DRAWN = 3e-3
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 2  # of the yarns in a step of the membrane: 3 take a tenth less time
-# of Numerics: what the contact of the nose with the membrane has, and that with yarns has not
-MEMBRANE_CONTACT = ("penalty", "contact_damping", "contact_points", "erosion_gap")
 REACH = 2.0  # spacings between the nose and the rim at least
 
 
@@ -151,11 +151,8 @@ class YarnPanel(Panel):
             if value != allowed:
                 text = "left out" if allowed is None else str(allowed)
                 raise InputError(key=key, value=value, allowed=f"{text} with resolved yarns")
-        usual = Numerics()
-        for key in MEMBRANE_CONTACT:
-            value = getattr(self.numerics, key)
-            if value != getattr(usual, key):
-                raise InputError(key=key, value=value, allowed="left out with resolved yarns")
+        refuse_unread(PanelNumbers, self, "yarns", "resolved yarns")
+        refuse_unread(NumericsKeys, self.numerics, "yarns", "resolved yarns")
         super().__post_init__()
         self._check_zone()
 
@@ -244,6 +241,7 @@ class YarnPanel(Panel):
             strength_factors=factors,
             rate_law=self.rate_law,
             lateral=self.resolved.lateral,
+            numbers=self,
         )
 
     @property

@@ -36,6 +36,8 @@ from fabrics import assumed
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.cell.model import CellModel
 from shellfabric.membrane import failure
+from shellfabric.panel_numbers import PanelNumbers
+from shellfabric.state import Numbers
 from shellfabric.yarns.state import Zone
 
 CROSSING, FRICTION, NOSE, HARD = 0.5, 0.1, 0.1, 0.2  # stiffnesses over EA / l0
@@ -67,6 +69,7 @@ class YarnPatch:
     strength_factors : (warp, weft) factors on the strength of each yarn; None where all are alike
     rate_law : as `Panel.rate_law`
     lateral : factor on the lateral stiffness of yarns
+    numbers : PanelNumbers
     """
 
     model: CellModel
@@ -80,6 +83,7 @@ class YarnPatch:
     strength_factors: tuple[FloatArray, FloatArray] | None = None
     rate_law: FloatArray = field(default_factory=lambda: np.zeros((2, 3, 0)))
     lateral: float = 1.0
+    numbers: PanelNumbers = field(default_factory=PanelNumbers)
 
     @property
     def weave(self) -> Any:
@@ -301,7 +305,9 @@ class YarnPatch:
             if self.strength_factors is not None:
                 own = np.asarray(self.strength_factors[family], float)
             strength[span] = np.repeat(yarn.strength * own, nodes[family])
-            half[span] = failure.half_strength(strength[span], self.rate_law, family)
+            half[span] = failure.half_strength(
+                Numbers.of(self.numbers), strength[span], yarn.EA, self.rate_law, family
+            )
             # a segment is half a crossover long
             factors.append(failure.filter_factor(fabric, family, 0.5 * self.spacing[family], dt))
         if not self.failure:
@@ -317,6 +323,7 @@ class YarnPatch:
             "mean_first": np.concatenate(firsts),
             "mean_weights": _side_by_side(weights),
             "rate_damage": rate_damage,
+            "panel": Numbers.of(self.numbers),
             "rate_law": failure.rate_table(self.rate_law),
             "peak_tension": np.zeros(2),
             "peak_segment": np.zeros(2, np.int64),

@@ -1,7 +1,7 @@
 """The arrays of a zone of resolved yarns (`yarns.patch` makes them)."""
 
 from shellfabric.jit.table import Row, array, flag, integer, number, row, tally, total
-from shellfabric.state import RateTable
+from shellfabric.state import Numbers, RateTable
 
 
 class Zone(Row):
@@ -40,6 +40,7 @@ class Zone(Row):
     filtered = array("all nodes", "N", "F of the failure criterion", kept=True)
     filter_factor = array("2", "-", "share of M that F takes over in a step, of warp and weft")
     rate_damage = array("n", "-", "damage by strain rate; empty without", kept=True)
+    panel = row(Numbers, "numbers of the panel, as they are declared (`panel_numbers`)")
     rate_law = row(RateTable, "strength of the yarns by strain rate")
     mean_first = array(
         "all yarns int64",

@@ -19,7 +19,6 @@ from fabrics.base.schema import (
     StandardShot,
     Table,
     angle,
-    described,
     flag,
     marked,
     number,
@@ -32,6 +31,7 @@ from fabrics.base.schema import (
     validated,
     whole,
 )
+from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.projectile.shapes import OF_METAL, SHAPES
 from weavecell.scenes import honoured, presets, stl_file
 from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
@@ -383,7 +383,7 @@ class AccuracyTable(Table):
     uncertainty: _share("largest discretisation uncertainty of the quantity")
 
 
-class NumericsTable(Table):
+class NumericsTable(Table, NumericsKeys):
     """Parameters of the time integration and of the contact with the projectile. The defaults fit
     all fabrics.
 
@@ -391,41 +391,6 @@ class NumericsTable(Table):
     cfl = 0.8
     threads = 1
     """
-
-    cfl: number("time step over its stability bound (Courant factor)", 0.5, gt=0.0, le=1.0) = None
-    stretch_viscosity: number(
-        "damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0
-    ) = None
-    penalty: number(
-        "stiffness of the contact between projectile and fabric, in units of nodal mass over the square of the time "
-        "step",
-        0.3,
-        gt=0.0,
-    ) = None
-    contact_damping: number(
-        "damping ratio of the contact between projectile and fabric", 0.6, ge=0.0
-    ) = None
-    contact_points: whole(
-        "contact points along each side of a crossover; if not given 8, and more under a sharp nose",
-        1,
-        64,
-    ) = None
-    erosion_gap: number(
-        "length, over that at rest, at which an element whose yarns of one family have failed is eroded: it leaves the "
-        "contact with projectile, plies and block, with its mass; one without yarns does so at once",
-        2.0,
-        gt=1.0,
-    ) = None
-    threads: Annotated[
-        int | None,
-        described(
-            "threads that share the plies of a pack, at most one for each ply, and the bricks of a block. If not "
-            "given, chosen by the size of the model. Results do not depend on it",
-            "a number of threads",
-            example=1,
-            ge=1,
-        ),
-    ] = None
 
 
 class Scene(Table):

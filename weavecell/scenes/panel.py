@@ -26,7 +26,6 @@ from fabrics.base.schema import (
     angle,
     as_tuple,
     described,
-    flag,
     from_text,
     in_python,
     number,
@@ -36,6 +35,7 @@ from fabrics.base.schema import (
     string,
     whole,
 )
+from shellfabric.panel_numbers import PanelNumbers
 from weavecell.scenes import presets
 from weavecell.scenes.fabric_table import LAW, Law
 
@@ -275,7 +275,7 @@ def _opening_or_preset(schema):
     schema["anyOf"] = [{"required": ["opening"]}, {"required": ["preset"]}]
 
 
-class PanelTable(Table):
+class PanelTable(Table, PanelNumbers):
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
     `[[panel.ply]]`.
 
@@ -359,14 +359,9 @@ class PanelTable(Table):
         ge=0.0,
         le=2.0,
     ) = None
-    yarn_failure: flag("whether a yarn fails at its strength") = True
     strength: Annotated[
         StrengthTable | None, Field(description="a table { weibull_shape = 14.3, seed = 1 }")
     ] = None
-    rate_dependence: flag(
-        "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the table "
-        "`[strain_rate]` of the fabric file, else assumed by fibre family ([strength](../reports/yarns.md))"
-    ) = False
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),

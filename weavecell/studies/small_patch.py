@@ -23,10 +23,12 @@ import numpy as np
 from fabrics import assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.schema import refuse_unread
 from fabrics.fabric import Fabric
 from meshing import patch
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.panel_numbers import PanelNumbers
 from shellfabric.solids.mesh import SolidMesh
 from shellfabric.solids.model import SolidPatch, check_projectile
 from shellfabric.solids.solver import SolidSolver
@@ -104,6 +106,7 @@ class SmallPatch:
         for key in ("backing", "surface"):
             if getattr(shot, key) is not None:
                 raise InputError(key=key, value="given", allowed="left out for a patch")
+        refuse_unread(PanelNumbers, shot, "solids", "solid yarns")
         check_projectile(shot.projectile)
         assumed.with_solid_laws(shot.fabric)
         if self.place not in PLACES:

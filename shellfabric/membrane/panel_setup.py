@@ -1,0 +1,55 @@
+"""What a shot and each ply of it have alike: `ImpactSetup` and `PanelGrid` inherit it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from fabrics.data_sheet import entries
+from shellfabric.block.block import Backing
+from shellfabric.membrane.boundary import Boundary
+from shellfabric.membrane.numerics import Numerics
+from shellfabric.panel_numbers import PanelNumbers
+from shellfabric.projectile.projectile import Projectile
+
+
+@dataclass(frozen=True, kw_only=True)
+class PanelSetup(PanelNumbers):
+    """What a set-up has of each of its plies.
+
+    Parameters
+    ----------
+    projectile : Projectile
+    symmetry : "quarter", "half" (x >= 0) or "whole"
+    boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
+        `boundary`)
+    numerics : Numerics
+    weave_angle : [rad] of the warp against the first side of the opening, towards the second (see
+        `boundary`)
+    round : whether the opening is a circle
+    impact_point : [m] from the middle of the opening, along its two sides
+    backing : Backing, the block behind the fabric, or None (see `block.coupling`)
+    packed_area : [-] share of its area at rest that packed fabric keeps (see
+        `membrane.packing_kernels`)
+    grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
+        the impact point, or None (see `grading`); not with grips at the edges
+    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
+        whether they would slip; None takes that which is assumed of the fabric
+    others : see `PanelNumbers`
+    """
+
+    projectile: Projectile = field(default_factory=Projectile)
+    symmetry: str = "quarter"
+    boundary: Boundary = "clamped"
+    numerics: Numerics = field(default_factory=Numerics)
+    weave_angle: float = 0.0
+    round: bool = False
+    impact_point: tuple[float, float] = (0.0, 0.0)
+    backing: Backing | None = None
+    packed_area: float = entries()["packed_area"].number
+    grading: tuple | None = None
+    yarn_friction: float | None = None
+
+    def of_ply(self) -> dict[str, Any]:
+        """Return {name: value} of what each ply has alike."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(PanelSetup)}
