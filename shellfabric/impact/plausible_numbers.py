@@ -37,7 +37,7 @@ def _of_projectile(setup):
     projectile = setup.projectile
     yield Number("projectile.strike_velocity", "strike_velocity", setup.strike_velocity)
     yield Number("projectile.friction", "friction", projectile.friction)
-    if projectile.shape != "sphere":
+    if projectile.known.edged:
         ratio = projectile.edge_radius / projectile.radius
         yield Number("projectile.edge_radius", "edge_radius", ratio)
     if projectile.tip_radius is not None:
@@ -52,10 +52,10 @@ def _of_projectile(setup):
     diameter = 2 * projectile.radius
     section = pi * projectile.radius**2
     length = projectile.length
-    if projectile.shape == "sphere":
+    if not projectile.known.edged:
         length = 2 / 3 * diameter
     # a bar is bored to its mass, and a body from a file has its own check
-    if projectile.shape == "stl" or projectile.body != "rigid":
+    if projectile.known.from_file or projectile.body != "rigid":
         return
     if length is None:
         ratio = projectile.mass / (_STEEL * section * diameter)

@@ -28,16 +28,15 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.sourced import assumed_of
 from fabrics.metals import Metal
-from shellfabric.projectile import sdf_kernels
+from shellfabric.projectile import sdf_kernels, shapes
 from shellfabric.projectile.bar import Bar
 from shellfabric.projectile.profile_kernels import place_profile
-from shellfabric.projectile.shapes import OF_METAL, SHAPES, chisel
+from shellfabric.projectile.shapes import OF_METAL, SHAPES, NoseNumbers, Shape
 from shellfabric.projectile.solid import Solid
 from shellfabric.projectile.turned import Turned
 from shellfabric.state import Nose, Profile
 
 BODIES = ("rigid", "elastic_bar", "metal")
-TURNED = ("flat", "hemisphere", "sphere", "ogive")  # shapes of bodies of metal
 WIDEST = 2.5  # times its radius at rest a body of metal may become; beyond, a run stops
 OUTLINE = 12  # segments in the radius of a rigid ogive's outline
 STEEPEST = radians(
@@ -46,7 +45,7 @@ STEEPEST = radians(
 
 
 @dataclass(frozen=True)
-class Projectile:
+class Projectile(NoseNumbers):
     """Projectile; by default a rigid right circular cylinder (thesis section 2.3: 3 g, 5.5 mm,
     flat).
 
@@ -59,17 +58,10 @@ class Projectile:
     shape : one of SHAPES; "chisel" is the fragment simulator, a cylinder with a flat strip across
         its nose and two flats beside it
     length : [m] over all; None for a cylinder without an end. A sphere has none
-    half_angle : [rad] of a cone, between axis and flank
-    tip_radius : [m] of a cone
-    flat_width : [m] of the strip across a chisel's nose; it lies along the weft at no obliquity and
-        roll
-    flat_angle : [rad] of a chisel's flats against the plane of its nose
     solid : Solid of the shape "stl"; its radius and length are the projectile's, its edges have the
         edge radius
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
     friction : Coulomb's coefficient between projectile and fabric; none in the thesis
-    nose_length : [m] of an ogive, an ellipse
-    tip_diameter : [m] of the flat at the tip of an ogive; None without
     body : "rigid", "elastic_bar", "metal", or the Bar itself, of this mass. "elastic_bar" is a flat
         cylinder of steel (thesis Table 4-2), bored from its tail to its mass (erratum E-37), as long
         as that of the thesis where no length is given
@@ -81,6 +73,8 @@ class Projectile:
     open_base : whether the jacket leaves the base bare
     cavity_diameter, cavity_depth : [m] of a conical hole in the tip; None without
     element_size : [m] of the mesh of a body of metal; None takes a tenth of the diameter
+    others : of its shape, see `shapes.NoseNumbers`; the strip across a chisel's nose lies along the
+        weft at no obliquity and roll
 
     Raises
     ------
@@ -92,10 +86,6 @@ class Projectile:
     edge_radius: float = 0.3e-3
     shape: str = "flat"
     length: float | None = None
-    half_angle: float | None = None
-    tip_radius: float | None = None
-    flat_width: float | None = None
-    flat_angle: float | None = None
     solid: Solid | None = None
     obliquity: float = 0.0
     azimuth: float = 0.0
@@ -104,8 +94,6 @@ class Projectile:
     friction: float = Assumed(0.0)
     body: str | Bar = "rigid"
     bore_diameter: float | None = None
-    nose_length: float | None = None
-    tip_diameter: float | None = None
     core: str | Metal | None = None
     jacket: str | Metal | None = None
     jacket_thickness: float | None = None
@@ -147,7 +135,7 @@ class Projectile:
                 value=self.bore_diameter,
                 allowed="below the diameter, and with the body elastic_bar",
             )
-        if self.body == "elastic_bar" and self.shape != "flat":
+        if self.body == "elastic_bar" and not self.known.of_bar:
             raise InputError(
                 key="body",
                 value=self.body,
@@ -167,8 +155,9 @@ class Projectile:
                     allowed = "left out but for the body metal"
                     raise InputError(key=key, value=getattr(self, key), allowed=allowed)
             return
-        if self.shape not in TURNED:
-            allowed = f"{' or '.join(TURNED)} of the body metal, which is one of revolution"
+        if not self.known.of_metal:
+            names = " or ".join(name for name, known in SHAPES.items() if known.of_metal)
+            allowed = f"{names} of the body metal, which is one of revolution"
             raise InputError(key="shape", value=self.shape, allowed=allowed)
         for key in ("obliquity", "yaw"):
             if getattr(self, key) != 0:
@@ -187,7 +176,7 @@ class Projectile:
         """What the body of metal is made of; of a rigid ogive its outline; None of another."""
         if self.body == "metal":
             return self._draw_metal()
-        if self.shape == "ogive":
+        if self.known.drawn:
             size = min(max(self.radius / OUTLINE, self.edge_radius), 0.5 * self.radius)
             return self._draw(_load_metal("OFHC copper", "core"), size, mass=None)
         return None
@@ -207,11 +196,8 @@ class Projectile:
     def _draw(self, core, size, **given):
         """The drawing of the shape."""
         length = self.length
-        nose = self.nose_length or 0.0
         edge = self.edge_radius
-        if self.shape in ("hemisphere", "sphere"):
-            nose = self.radius
-        if self.shape == "sphere":
+        if not self.known.edged:
             length = 2 * self.radius
             edge = min(edge, 0.5 * size)
             given["round_base"] = True
@@ -222,7 +208,7 @@ class Projectile:
             self.radius,
             length,
             core,
-            nose_length=nose,
+            nose_length=self.known.length_of_nose(self),
             tip_radius=0.5 * (self.tip_diameter or 0.0),
             element_size=size,
             edge_radius=edge,
@@ -294,7 +280,7 @@ class Projectile:
         for key in ("mass", "radius", "edge_radius"):
             if not 0 < getattr(self, key) < inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        if self.shape != "sphere" and self.edge_radius > self.radius:
+        if self.known.edged and self.edge_radius > self.radius:
             raise InputError(
                 key="edge_radius",
                 value=self.edge_radius,
@@ -302,59 +288,25 @@ class Projectile:
             )
 
     def _check_form(self):
-        for shape, known in SHAPES.items():
-            article = "an" if shape[0] in "aeiou" else "a"
-            for key in known.keys:
-                value = getattr(self, key)
-                given = isinstance(value, Solid) or (value is not None and 0 < value < inf)
-                if shape == self.shape and not given:
-                    raise InputError(key=key, value=value, allowed=f"above 0 for {article} {shape}")
-                if shape != self.shape and value is not None:
-                    allowed = f"left out, being of {article} {shape}"
-                    raise InputError(key=key, value=value, allowed=allowed)
-            for key in known.optional:
-                value = getattr(self, key)
-                if shape != self.shape and value is not None:
-                    allowed = f"left out, being of {article} {shape}"
-                    raise InputError(key=key, value=value, allowed=allowed)
-                if value is not None and not 0 < value < 2 * self.radius:
-                    raise InputError(key=key, value=value, allowed="above 0 and below the diameter")
-        if self.shape == "cone":
-            if not self.half_angle < 0.5 * pi:
-                raise InputError(
-                    key="half_angle", value=self.half_angle, allowed="below a right angle"
-                )
-            most = (self.radius - self.edge_radius * (1 - cos(self.half_angle))) / cos(
-                self.half_angle
-            )
-            if not self.tip_radius < most:
-                raise InputError(
-                    key="tip_radius",
-                    value=self.tip_radius,
-                    allowed=f"below {most:.4g}, to leave a flank",
-                )
-        if self.shape == "chisel":
-            if not self.flat_angle < 0.5 * pi:
-                raise InputError(
-                    key="flat_angle", value=self.flat_angle, allowed="below a right angle"
-                )
-            if not 0 < chisel(self)[0] < self.radius - self.edge_radius:
-                allowed = "above the rounding of its edges and below the diameter"
-                raise InputError(key="flat_width", value=self.flat_width, allowed=allowed)
-        if self.solid is not None:
-            for key in ("radius", "length"):
-                if getattr(self, key) != getattr(self.solid, key):
-                    raise InputError(key=key, value=getattr(self, key), allowed="that of the solid")
-        elif self.length is not None:
-            least = self.shoulder + self.edge_radius
-            if self.shape == "sphere":
-                raise InputError(key="length", value=self.length, allowed="left out for a sphere")
-            if not least <= self.length < inf:
-                raise InputError(
-                    key="length",
-                    value=self.length,
-                    allowed=f"at least nose and rear edge, {least:.4g}",
-                )
+        if (self.solid is not None) != self.known.from_file:
+            allowed = "a Solid for the shape stl, left out for others"
+            raise InputError(key="solid", value=self.solid, allowed=allowed)
+        shapes.check_numbers(self.shape, self)
+        self.known.check(self)
+        if self.length is None or self.solid is not None:
+            return
+        if not self.known.edged:
+            allowed = f"left out for {self.known.words}"
+            raise InputError(key="length", value=self.length, allowed=allowed)
+        least = self.shoulder + self.edge_radius
+        if not least <= self.length < inf:
+            allowed = f"at least nose and rear edge, {least:.4g}"
+            raise InputError(key="length", value=self.length, allowed=allowed)
+
+    @property
+    def known(self) -> Shape:
+        """All that is known of the shape."""
+        return SHAPES[self.shape]
 
     def energy(self, speed: float) -> float:
         """Compute the kinetic energy [J] at a speed [m/s]."""
@@ -368,7 +320,7 @@ class Projectile:
     @property
     def form(self) -> FloatArray:
         """(n,) the numbers that `sdf_kernels` needs of the shape, at least 4."""
-        values = SHAPES[self.shape].form(self)
+        values = self.known.form(self)
         if self.solid is not None:
             return values
         return np.array([*values, *[0.0] * (4 - len(values))])
@@ -400,28 +352,17 @@ class Projectile:
     @property
     def shoulder(self) -> float:
         """[m] depth behind the nose from which it has its full width."""
-        return SHAPES[self.shape].shoulder(self)
+        return self.known.shoulder(self)
 
     @property
     def nose_radius(self) -> float:
         """[m] smallest radius that fabric is bent round by the nose."""
-        if self.shape in ("sphere", "hemisphere"):
-            return self.radius
-        if self.shape == "ogive":
-            assert self.nose_length is not None  # an ogive has one
-            side = self.radius - 0.5 * (self.tip_diameter or 0.0)
-            return min(side**2 / self.nose_length, self.nose_length**2 / side)
-        tip = None
-        if self.shape == "cone":
-            tip = self.tip_radius
-        if tip is None:
-            return self.edge_radius
-        return min(self.edge_radius, tip)
+        return self.known.nose_radius(self)
 
     def seen_from(self, angle: float) -> Projectile:
         """Return the same shot in a frame that is turned by `angle` [rad] about the panel's
         normal."""
-        if not self.roaming and SHAPES[self.shape].turned:
+        if not self.roaming and self.known.turned:
             return self  # it looks alike from everywhere
         azimuth, roll = (remainder(each - angle, 2 * pi) for each in (self.azimuth, self.roll))
         return replace(self, azimuth=azimuth, roll=roll)
@@ -497,12 +438,11 @@ class Projectile:
         if self.drawing is not None:
             outline = self.drawing.places[self.drawing.outline]
             return turn_about(outline, around) - [0, 0, set_back]
-        if self.shape == "sphere":
-            end = 2 * self.radius
-        else:
+        if self.known.edged:
             end = min(self.length or inf, 6 * self.radius)
-        nose = self.nose._replace(length=end)
-        if self.shape == "sphere":
+            nose = self.nose._replace(length=end)
+        else:
+            end = 2 * self.radius
             nose = self.nose._replace(length=inf)
         if self.solid is None:
             deep = self.radius
@@ -534,7 +474,7 @@ class Projectile:
         if self.solid is not None:
             own = np.abs(frame[:2, axis])
             return min(own) < 1e-12 and self.solid.even[int(np.argmax(own))]
-        return SHAPES[self.shape].turned or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
+        return self.known.turned or min(abs(frame[0][axis]), abs(frame[1][axis])) < 1e-12
 
 
 def profile_of(drawing: Turned) -> Profile:

@@ -21,7 +21,6 @@ import numpy as np
 from shellfabric.membrane.model import Panel
 
 BISECTIONS = tomllib.loads((Path(__file__).parent / "holding.toml").read_text("utf-8"))
-FAMILIES = {"flat": "flat", "sphere": "round", "hemisphere": "round", "cone": "round"}
 WIDEST = 4.0  # radius [spacings] of the noses from which the factors come
 
 
@@ -55,7 +54,7 @@ def friction_to_hold(panel: Panel, velocity: float) -> tuple[float, float] | Non
         return None
     wave = np.mean([yarn.wave_speed for yarn in panel.weave.yarns])
     ratio = float((velocity / wave) ** (2 / 3))
-    low, high = find_factors(FAMILIES.get(panel.projectile.shape))
+    low, high = find_factors(panel.projectile.known.held_as)
     return low * ratio, high * ratio
 
 

@@ -20,6 +20,7 @@ from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage
+from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import stl_file
 from weavecell.scenes.fabric_table import FabricTable, InlineLaw
 from weavecell.scenes.impact import ProjectileTable, Scene
@@ -461,7 +462,7 @@ def make_projectile(table: ProjectileTable, **changes: Any) -> Projectile:
     )
     given |= changes
     # a body of any shape has its radius and length from its surface
-    if table.shape != "stl":
+    if not SHAPES[table.shape].from_file:
         return Projectile(radius=table.diameter / 2, **given)
     solid = stl_file.solid(table.stl, table.stl_unit, table.edge_radius)
     return Projectile(**given | {"solid": solid, "radius": solid.radius, "length": solid.length})

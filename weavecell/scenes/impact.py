@@ -32,7 +32,8 @@ from fabrics.base.schema import (
     whole,
 )
 from shellfabric.membrane.numerics import NumericsKeys
-from shellfabric.projectile.shapes import OF_METAL, SHAPES
+from shellfabric.projectile import shapes
+from shellfabric.projectile.shapes import OF_METAL, SHAPES, NoseNumbers
 from weavecell.scenes import honoured, presets, stl_file
 from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
@@ -49,7 +50,7 @@ def _name_or_size(schema):
     ]
 
 
-class ProjectileTable(Table):
+class ProjectileTable(Table, NoseNumbers):
     """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the
     panel. It is rigid unless `body` says otherwise.
 
@@ -94,23 +95,6 @@ class ProjectileTable(Table):
         "overall length; without it a cylinder has no rear end, and the elastic bar has the length given in the thesis",
         "m",
         "8 mm",
-    ) = None
-    half_angle: angle(
-        "angle between axis and flank of a cone; required for a cone", 5, 85, "45 deg"
-    ) = None
-    tip_radius: quantity("rounding of the tip of a cone; required for a cone", "m", "0.5 mm") = None
-    flat_width: quantity(
-        "width of the flat strip across a chisel nose; required for a chisel", "m", "2.5 mm"
-    ) = None
-    flat_angle: angle(
-        "angle of a chisel's two flats against the plane of the nose; required for a chisel",
-        5,
-        85,
-        "35 deg",
-    ) = None
-    nose_length: quantity("length of an elliptic nose; required for an ogive", "m", "8 mm") = None
-    tip_diameter: quantity(
-        "diameter of the flat at the tip of an ogive; none if not given", "m", "2 mm"
     ) = None
     stl: string(
         "STL file of the body, its z axis along the flight; required for the shape stl. Its path is relative to the "
@@ -183,8 +167,8 @@ class ProjectileTable(Table):
         shape = given.get("shape", "flat")
         if shape in list(SHAPES):
             # a body of an STL file is made from its file
-            keys += ("stl", "stl_unit") if shape == "stl" else SHAPES[shape].keys
-            if shape != "sphere":
+            keys += ("stl", "stl_unit") if SHAPES[shape].from_file else shapes.needed(shape)
+            if SHAPES[shape].edged:
                 keys += ("edge_radius",)
         for pair in (("jacket", "jacket_thickness"), ("cavity_diameter", "cavity_depth")):
             if any(given.get(key) is not None for key in pair):
@@ -195,7 +179,7 @@ class ProjectileTable(Table):
     def _check_body(self):
         if self.body != "metal":
             self.refuse(" ".join(OF_METAL), 'left out but for the body "metal"')
-        if self.shape != "stl":
+        if not SHAPES[self.shape].from_file:
             self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
         if self.obliquity == 0 and self.yaw == 0:
             self.refuse("azimuth", "left out without obliquity and yaw: it is their direction")
@@ -204,8 +188,8 @@ class ProjectileTable(Table):
         if self.body != "elastic_bar":
             words = {"rigid": "a rigid projectile", "metal": 'the body "metal"'}[self.body]
             self.refuse("bore_diameter", f"left out for {words}")
-        if self.shape == "sphere":
-            self.refuse("edge_radius", "left out for a sphere")
+        if not SHAPES[self.shape].edged:
+            self.refuse("edge_radius", f"left out for {SHAPES[self.shape].words}")
         elif self.edge_radius >= self.diameter / 2:
             raise InputError(key="edge_radius", allowed="below half of projectile.diameter")
         return self
@@ -440,7 +424,7 @@ class Scene(Table):
         if shot.diameter >= smallest / 2:
             raise InputError(key="projectile.diameter", allowed="below half of panel.opening")
         # the mass of a body from a file is checked against its volume there
-        if shot.shape != "stl":
+        if not SHAPES[shot.shape].from_file:
             stl_file.check_mass(shot)
         if self.accuracy is not None and panel.crossovers != "pinned":
             words = '"pinned" where the mesh is chosen by [accuracy]'

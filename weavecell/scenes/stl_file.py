@@ -360,10 +360,11 @@ def check_mass(shot: Any) -> None:
     ------
     InputError : a mean density outside DENSITIES, of any length of LENGTHS where none is given
     """
-    least = SHAPES[shot.shape].least_volume
+    known = SHAPES[shot.shape]
+    least = known.least_volume
     size = "diameter and length"
     lengths = [shot.length, shot.length]
-    if shot.shape == "sphere":
+    if not known.edged:
         size = "diameter"
         lengths = [2 / 3 * shot.diameter, 2 / 3 * shot.diameter]
     elif shot.length is None:

@@ -13,7 +13,6 @@ from fabrics import metals
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from shellfabric.impact.proposals import fill
-from shellfabric.projectile.projectile import TURNED
 
 if TYPE_CHECKING:
     from shellfabric.impact.result import ImpactResult
@@ -157,16 +156,8 @@ class SoftNose:
 def mean_density(shot: Projectile) -> float | None:
     """Compute mass over volume [kg/m3] of a solid of revolution; None of another, or if no length is
     given."""
-    radius = shot.radius
-    section = pi * radius**2
-    if shot.shape == "ogive" and shot.drawing is not None:
-        return shot.mass / (shot.drawing.drawn_mass / shot.drawing.core.density)
-    if shot.shape == "sphere":
-        return shot.mass / (section * 4 / 3 * radius)
-    if shot.length is None or shot.shape not in TURNED:
-        return None
-    lost = radius / 3 if shot.shape == "hemisphere" else 0.0
-    return shot.mass / (section * (shot.length - lost))
+    volume = shot.known.volume(shot)
+    return None if volume is None else shot.mass / volume
 
 
 def metal_of(shot: Projectile) -> tuple[str, bool] | None:
@@ -175,11 +166,11 @@ def metal_of(shot: Projectile) -> tuple[str, bool] | None:
     A hemisphere without a length may be a bullet of lead. None of a body whose density is that of no
     metal, and of shapes that a body of metal cannot have.
     """
-    if shot.shape not in TURNED:
+    if not shot.known.of_metal:
         return None
     density = mean_density(shot)
     if density is None:
-        return ("lead", False) if shot.shape == "hemisphere" else None
+        return shot.known.if_soft and (shot.known.if_soft, False)
     apart = {name: abs(density / metals.load(name).density - 1) for name in CANDIDATES}
     nearest = min(apart, key=lambda name: apart[name])
     return (nearest, True) if apart[nearest] <= SAME_DENSITY else None
@@ -226,7 +217,7 @@ def check_shot(result: ImpactResult) -> Rigidity | SoftNose | None:
     t = result.step_history[:, 0]
     force = result.step_history[:, 3]
     try:
-        bar = shot.bar or (shot.steel_bar() if shot.shape == "flat" else None)
+        bar = shot.bar or (shot.steel_bar() if shot.known.of_bar else None)
     except InputError:
         bar = None  # its mass is not that of a cylinder of steel
     if bar is not None:
