@@ -43,6 +43,8 @@ class Part:
     Attributes
     ----------
     name : for checkpoints, and by which a solver finds it
+    numbers : of the panel (`PanelNumbers`) that bring it about: a part of `membrane.forces` with such
+        numbers is made where one of them is not at its default
     energy : name, among the energies of a run, of what `forces` returns
     of_ply : whether its energies are its ply's; else they stand beside those of the plies
     ply : number of the ply in whose step a part that is not of a ply acts; -1 is the last
@@ -62,6 +64,7 @@ class Part:
     """
 
     name: str = ""
+    numbers: tuple[str, ...] = ()
     energy: str = ""
     of_ply: bool = True
     ply: int = 0

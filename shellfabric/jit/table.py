@@ -229,7 +229,7 @@ class Row:
     Raises
     ------
     TypeError : a name is missing or unknown, or a value is not what its line says: strided, of
-        another type or shape
+        another type or shape. A total or a tally may be left out, it begins at zero
     """
 
     fields: ClassVar[dict[str, Field]] = {}
@@ -256,6 +256,10 @@ class Row:
 
     def __init__(self, **values: Any) -> None:
         table = type(self)
+        # a total or a tally begins at zero, or at the number that is given
+        for name, zero in table.totals().items():
+            if not isinstance(values.get(name), np.ndarray):
+                values[name] = np.array(values.get(name, 0), zero.dtype)
         if values.keys() != table.fields.keys():
             wrong = sorted(values.keys() ^ table.fields.keys())
             raise TypeError(f"{table.__name__}: missing or unknown: {', '.join(wrong)}")

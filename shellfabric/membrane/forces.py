@@ -1,4 +1,5 @@
-"""The forces that every panel has besides membrane, nose and other plies, and those it is given.
+"""The forces that a panel has besides membrane, nose and other plies: those of every panel, those that
+its numbers bring about, and those it is given.
 
 Each is a `parts.Part`, with a unit `forces`:
 
@@ -15,6 +16,7 @@ from typing import Any
 
 from shellfabric.membrane.bending_kernels import bending_forces
 from shellfabric.membrane.packing_kernels import packing_forces
+from shellfabric.panel_numbers import PanelNumbers
 from shellfabric.parts import Part
 
 
@@ -45,9 +47,16 @@ class Packing(Part):
         pass
 
 
-USUAL = Bending, Packing  # of every panel
+KNOWN: tuple[Any, ...] = (Bending, Packing)
 
 
 def make_parts(panel: Any) -> tuple[Part, ...]:
     """Make the parts of a panel, each with a row of its own."""
-    return tuple(make(panel) for make in (*USUAL, *panel.parts))
+    usual = PanelNumbers()
+    known = [
+        part
+        for part in KNOWN
+        if not part.numbers
+        or any(getattr(panel, name) != getattr(usual, name) for name in part.numbers)
+    ]
+    return tuple(make(panel) for make in (*known, *panel.parts))

@@ -4,7 +4,8 @@ here, on the axes."""
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from weavecell.report.pictures_style import (
     legend_beside,
 )
 from weavecell.results.display import US
+from weavecell.results.keys import TABLES
 
 UM = 1e6
 
@@ -61,6 +63,20 @@ ENERGIES = (
     ("backing_contact", "block, contact springs", "#efc4a0"),
     ("backing_damped", "block, contact damping", "#d98f63"),
 )
+# of energies without a colour in ENERGIES, such as that of a new part, in turn
+OTHER_COLOURS = "#6f9ceb", "#c2a83e", "#8fbc5a", "#d46a92"
+# the balance, and what is drawn with the strain energy, the contact and the friction
+NOT_DRAWN = "error", "formulation_residual", "ply_contact", "ply_friction"
+
+
+def list_bands(energies: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """List (name, name in the plot, colour) of energies: ENERGIES, and after them what else there is, by
+    the meaning of its key."""
+    known = {name for name, *_ in ENERGIES}
+    meanings = {key.name: key.meaning for key in TABLES["energies"]}
+    others = [name for name in energies if name not in known and name not in NOT_DRAWN]
+    labels = [meanings.get(name, name.replace("_", " ")).partition(";")[0] for name in others]
+    return [*ENERGIES, *zip(others, labels, cycle(OTHER_COLOURS))]
 
 
 @explain_missing()

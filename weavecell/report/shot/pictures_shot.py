@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weavecell.report.pictures import ENERGIES, place
+from weavecell.report.pictures import list_bands, place
 from weavecell.report.pictures_style import CLAY, FAINT, INK, STEEL
 from weavecell.results.display import MM, US
 
@@ -269,7 +269,7 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     t = US * record.time
     error = 100 * record.energies["error"] / record.strike_energy
     drawn = parts(record.energies, record.recoil_of_cut_yarns)
-    known = [row for row in ENERGIES if np.any(drawn.get(row[0], 0.0))]
+    known = [row for row in list_bands(drawn) if np.any(drawn.get(row[0], 0.0))]
     values = [np.maximum(drawn[name], 0.0) for name, _, _ in known]
     handles = top.stackplot(t, values, colors=[colour for *_, colour in known], lw=0.4, ec="white")
     top.axhline(record.strike_energy, color=INK, lw=1, ls=":")
