@@ -68,8 +68,9 @@ def half_strength(
     law : as `Panel.rate_law`
     """
     half = WATCHED * strength
-    for k in np.flatnonzero(np.isfinite(strength)):
-        half[k] /= load_of.py_func(numbers, strength[k], strength[k], stiffness)
+    # thousands of segments have the strengths of a few yarns
+    for value in np.unique(strength[np.isfinite(strength)]):
+        half[strength == value] /= load_of.py_func(numbers, value, value, stiffness)
     if law.size:
         half *= law[family, 0, 0]
     return half

@@ -20,7 +20,10 @@ PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "we
 # files of the packages that each may touch
 MOST_FILES = {
     "nose-shape": 2,
-    "failure-criterion": 6,
+    "nose-with-number": 2,
+    "failure-criterion": 2,
+    "failure-strain": 2,
+    "part-from-file": 4,
     "force": 1,
     "key": 1,
     "report-column": 1,
@@ -72,7 +75,17 @@ def test_a_change_without_kernels_runs(name, copy):
 
 
 @pytest.mark.slow(40)
-@pytest.mark.parametrize("name", ["nose-shape", "failure-criterion", "force"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "nose-shape",
+        "nose-with-number",
+        "failure-criterion",
+        "failure-strain",
+        "part-from-file",
+        "force",
+    ],
+)
 def test_a_change_with_kernels_runs(name, copy):
     run_change(name, copy)
 

@@ -2,6 +2,7 @@
 
 import ast
 import functools
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -110,7 +111,42 @@ def test_a_kernel_file_follows_each_line_of_code_that_its_machine_code_has(file)
     in both forms of import; a plain twin by the syntax tree."""
     followed = {name for name, _ in kernel_sources(file)}
     inside = {str(path.relative_to(ROOT)) for path in helpers_of(file)}
-    assert inside <= followed
+    assert inside - set(kernel_cache.NO_CODE) <= followed
+
+
+WORDS_OF = {
+    "shellfabric/panel_numbers.py": ("whether a yarn fails", "whether yarns fail"),
+    "fabrics/base/schema.py": ("a number above", "a number that is above"),
+}
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory):
+    """A copy of the packages with kernels, in which a text of a file may stand otherwise."""
+
+    def copy(changes):
+        root = tmp_path_factory.mktemp("packages")
+        for package in ("fabrics", "shellfabric"):
+            ignored = shutil.ignore_patterns("__pycache__", "*.toml", "*.csv")
+            shutil.copytree(ROOT / package, root / package, ignore=ignored)
+        for name, (old, new) in changes.items():
+            text = (root / name).read_text("utf-8")
+            assert old in text
+            (root / name).write_text(text.replace(old, new), "utf-8")
+        return root
+
+    return copy
+
+
+def test_what_is_said_of_a_number_is_no_part_of_kernels(packages):
+    """Its meaning, limits and example are for users; kernels know its name by the type of its row."""
+    roots = packages({}), packages(WORDS_OF)
+    files = ("membrane/failure_kernels.py", "yarns/chain_kernels.py", "loop/ply_kernels.py")
+    for file in files:
+        plain, changed = (
+            kernel_cache.kernel_folder(root / "shellfabric" / file, root) for root in roots
+        )
+        assert plain == changed, file
 
 
 def helpers_of(file):

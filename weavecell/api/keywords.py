@@ -88,11 +88,7 @@ class Keywords(TypedDict, total=False):
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
     ply_friction : pack: Coulomb coefficient between plies; if not given 0 of a fabric of the
         catalogue, else assumed; a number from 0 to 2
-    yarn_failure : whether a yarn fails at its strength; true or false
     strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
-    rate_dependence : strength of the yarns as a function of their strain rate, and their modulus at
-        high rates, from the table `[strain_rate]` of the fabric file, else assumed by fibre family;
-        true or false
     grading : coarser mesh with the distance from the impact point: zones of distance and element
         side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
         "1/2"], [20, 1], [inf, 2]]
@@ -107,6 +103,10 @@ class Keywords(TypedDict, total=False):
         against each other, by 0 if not given; a whole number from 0 to 2147483647
     crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre
         family if not given, 0.2 of para-aramid; a number from 0 to 2
+    yarn_failure : whether a yarn fails at its strength; true or false
+    rate_dependence : strength of the yarns as a function of their strain rate, and their modulus at
+        high rates, from the table `[strain_rate]` of the fabric file, else assumed by fibre family;
+        true or false
     end_time : latest end of the run; it ends earlier when the projectile stops (see
         backing.after_stop) or has perforated [s]; a time above 0 and at most 10 ms, such as "250
         us"
@@ -141,14 +141,14 @@ class Keywords(TypedDict, total=False):
     ply_gap: Quantity | None
     ply_contact: PlyLaw | FilePath | None
     ply_friction: Number | None
-    yarn_failure: bool
     strength: Mapping[str, Quantity] | None
-    rate_dependence: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
     crossovers: Literal["pinned", "yarns", "auto"]
     zone: Quantity | None
     aim_seed: int | None
     crossover_friction: Number | None
+    yarn_failure: bool
+    rate_dependence: bool
     end_time: Quantity
     elements_per_crossover: int | None
     snapshot_interval: Quantity | None

@@ -53,7 +53,7 @@ SWEEP: Keys = SHOTS | {
 PATCH: Keys = UNWRITTEN | silent(
     "",
     "title history accuracy run.end_time panel.preset panel.opening panel.opening_shape panel.impact_point "
-    "panel.aim_seed panel.zone panel.boundary panel.symmetry panel.weave_angle panel.bending",
+    "panel.aim_seed panel.zone panel.boundary panel.symmetry panel.weave_angle fabric.bending",
 )
 COUPON: Keys = {"fabric.surface": "left out: the cell of a coupon is made from laws"}
 
