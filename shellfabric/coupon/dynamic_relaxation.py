@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import BoolArray, FloatArray
 from fabrics.base.errors import UnstableError
 
@@ -90,8 +91,8 @@ def relax(
     settled = False
     while True:
         f, bound, energies = forces(x)
-        out = float(np.linalg.norm(f[free]))
-        reaction = float(np.linalg.norm(f[held]))
+        out = float(sums.norm(f[free]))
+        reaction = float(sums.norm(f[held]))
         history.append((out, reaction))
         settled = out <= tolerance * max(reaction, force_floor)
         if settled or len(history) >= max_iterations or not np.isfinite(out + reaction):
@@ -225,5 +226,5 @@ def _not_settled(body, state, held, tolerance):
 
 def _worst(body, state, held):
     """Number of the free node that is farthest out of balance."""
-    out = np.linalg.norm(body.forces(state.x)[0], axis=1)
+    out = sums.norm(body.forces(state.x)[0], axis=1)
     return int(np.argmax(np.where(held, 0.0, out)))

@@ -14,13 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray, IntArray
+from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from fabrics.base.errors import UnstableError
 from shellfabric.coupon import dynamic_relaxation
 from shellfabric.coupon.dynamic_relaxation import State
 from shellfabric.coupon.model import Coupon
 
-FLOOR = 1e-4  # of a yarn's strength, for each held node: the reaction below which a coupon counts as unloaded
+FLOOR = 1e-4  # of a yarn's strength, for each held node: see `Result.force_floor`
+# [floors] reaction below which a state is unloaded: the shape of slack yarns is not unique, and its reaction is
+# noise. Strips of S-720 with 1.4 to 2.1 floors differ by 10 to 25 % with the last digit of a start or the
+# tolerance; frames and bias coupons of 5.2 floors and more by nothing that is read
+UNLOADED = 3.0
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,7 @@ class Result:
     states : of `dynamic_relaxation.relax_path`, one a load step
     prescribed : (steps,) elongation [m], shear angle [rad] or strain [-]
     outcome : "complete", "yarn at its strength" or "unstable"
-    force_floor : [N] norm of the reaction below which the coupon counts as unloaded
+    force_floor : [N] norm of the reaction below which a step is relaxed to a share of this floor
     """
 
     coupon: Coupon
@@ -47,6 +51,13 @@ class Result:
     def force(self, grip: int, axis: int) -> FloatArray:
         """Return the force (steps,) [N] of a grip on the coupon, along axis 0 or 1."""
         return np.array([state.reaction[self.grips == grip, axis].sum() for state in self.states])
+
+    @property
+    def unloaded(self) -> BoolArray:
+        """(steps,) whether a state carries nothing that is determined: a reaction below UNLOADED
+        floors."""
+        reaction = np.array([state.history[-1, 1] for state in self.states])
+        return reaction < UNLOADED * self.force_floor
 
     def shear(self, step: int = -1) -> FloatArray:
         """Return the shear angles (q,) [rad] after a step."""
