@@ -9,10 +9,14 @@ A model that does not read a number refuses it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fabrics.base.schema import flag, key
+
+if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,3 +38,37 @@ class PanelNumbers:
             "pinned yarns",
         ),
     ] = False
+
+    def failure_in_words(self, fabrics: Iterable[Fabric], drawn: bool) -> str:
+        """Say whether and when yarns of some fabrics fail; `drawn` where each has a strength of its own."""
+        if not self.yarn_failure:
+            return "Yarns do not fail."
+        strengths = []
+        for fabric in fabrics:
+            warp, weft = fabric.weave.yarns
+            strengths.append(
+                f"{warp.strength:.0f} / {weft.strength:.0f} N ({fabric.name}, warp / weft)"
+            )
+        rate = "at any strain rate"
+        if self.rate_dependence:
+            rate = "multiplied by what its strain rate makes of it"
+        scatter = "it is the same for all yarns"
+        if drawn:
+            scatter = "each yarn has a drawn strength about it"
+        return f"A yarn fails at its strength, {', '.join(strengths)}, {rate}; {scatter}."
+
+    def rate_in_words(self, fabrics: Iterable[Fabric]) -> str:
+        """Say how stiffness and strength of the yarns of some fabrics follow the strain rate."""
+        if not self.rate_dependence:
+            return "Stiffness and strength of the yarns do not depend on it."
+        sentences = []
+        for fabric in fabrics:
+            law = fabric.strain_rate
+            assert law is not None  # a set-up with rate dependence has checked it
+            low = min(law.strength)
+            high = max(law.strength)
+            sentence = f"{fabric.name}: strength {low:.3g} to {high:.3g} times that of slow tests"
+            if law.modulus:
+                sentence += f", modulus {law.modulus[-1]:.3g} times, that of the highest rate"
+            sentences.append(f"{sentence}.")
+        return " ".join(sentences)

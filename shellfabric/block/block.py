@@ -20,10 +20,12 @@ makes no energy; held over the step they would.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
+from fabrics.backings import assumed_line
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
@@ -125,6 +127,33 @@ class Backing:
         for key in ("hourglass", "viscosity", "contact_damping", "after_stop"):
             if not 0 <= getattr(self, key) < np.inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What a run takes for granted of it, a sentence each: the constants that are assumed, its
+        outer faces, and how long it is followed."""
+        ends = "The run ends when the projectile has stopped."
+        if self.after_stop:
+            ends = (
+                f"It is followed for {1e3 * self.after_stop:g} ms after the projectile has stopped."
+            )
+        return (
+            f"{assumed_line(self.name, self.material)}.",
+            f"Its outer faces are {self.outer_boundary}.",
+            ends,
+        )
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """{name: value in SI units} of its material, mesh and contacts."""
+        own = {
+            entry.name: getattr(self, entry.name)
+            for entry in fields(self)
+            if entry.name != "material"
+        }
+        return {
+            entry.name: getattr(self.material, entry.name) for entry in fields(self.material)
+        } | own
 
     @property
     def lines(self) -> tuple[FloatArray, ...]:

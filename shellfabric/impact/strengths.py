@@ -48,6 +48,14 @@ class YarnStrength:
     seed: int = 1
     gauge_length: float = 0.2
 
+    @property
+    def words(self) -> str:
+        """The distribution, a sentence."""
+        return (
+            f"Drawn for each yarn by the seed {self.seed}, of a Weibull distribution of shape {self.weibull_shape:g} "
+            f"at the gauge length {1e3 * self.gauge_length:g} mm."
+        )
+
     def __post_init__(self):
         for key in ("weibull_shape", "gauge_length"):
             if not getattr(self, key) > 0:

@@ -42,6 +42,14 @@ class PullIn:
     end: float
     zone: float = 60e-3
 
+    @property
+    def words(self) -> str:
+        """What it does, for the reader."""
+        return (
+            f"slip by {1e3 * self.length:g} mm from {1e6 * self.start:g} to {1e6 * self.end:g} us, about their middle "
+            f"{1e3 * self.zone:g} mm wide"
+        )
+
     def __post_init__(self):
         positive(self, "length", "zone")
         not_negative(self, "start")
@@ -63,6 +71,11 @@ class Grip:
     """
 
     force: float
+
+    @property
+    def words(self) -> str:
+        """What it does, for the reader."""
+        return f"held by friction up to {self.force:g} N a yarn"
 
     def __post_init__(self):
         positive(self, "force")
@@ -92,6 +105,30 @@ def sides(edge: Any) -> tuple[tuple[Any, Any], ...]:
                     key="boundary", value=side, allowed="clamped, free, a PullIn or a Grip"
                 )
     return pairs
+
+
+def list_in_words(edge: Any) -> list[str]:
+    """List how the yarns end, for the reader: a line for all, or for each family and side of it."""
+    families = sides(edge)
+    if len({side for pair in families for side in pair}) == 1:
+        return [f"All yarn ends are {_say(families[0][0])}"]
+    found = []
+    for family, (low, high) in zip(("Warp", "Weft"), families):
+        if low == high:
+            found.append(f"{family} ends are {_say(low)}")
+        else:
+            found.append(
+                f"{family} ends are {_say(low)} at the low side and {_say(high)} at the high one"
+            )
+    return found
+
+
+def _say(side):
+    if isinstance(side, str):
+        return side
+    if isinstance(side, PullIn):
+        return f"in a clamp where they {side.words}"
+    return side.words
 
 
 def _both(given):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import inf
-from typing import Annotated
+from typing import Annotated, Any
 
 from fabrics.base.checks import not_negative, positive, refuse
 from fabrics.base.schema import described, key, number, whole
@@ -126,6 +126,11 @@ class Numerics(NumericsKeys):
 
     clear_time: float = 2e-6
     block: int = 2000
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """{name: value} of all."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     def __post_init__(self):
         positive(self, "cfl", "penalty", "clear_time", "block")

@@ -7,6 +7,7 @@ from typing import Any
 
 from fabrics.data_sheet import entries
 from shellfabric.block.block import Backing
+from shellfabric.membrane import boundary
 from shellfabric.membrane.boundary import Boundary
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.panel_numbers import PanelNumbers
@@ -53,3 +54,13 @@ class PanelSetup(PanelNumbers):
     def of_ply(self) -> dict[str, Any]:
         """Return {name: value} of what each ply has alike."""
         return {entry.name: getattr(self, entry.name) for entry in fields(PanelSetup)}
+
+    @property
+    def frame_in_words(self) -> tuple[str, ...]:
+        """What a run takes for granted of the edges and of the modelled part, a sentence each."""
+        part = {
+            "quarter": "A quarter of the panel is modelled: the rest is its image in two planes.",
+            "half": "Half of the panel is modelled: the rest is its image in a plane.",
+            "whole": "The whole panel is modelled.",
+        }
+        return (f"{'; '.join(boundary.list_in_words(self.boundary))}.", part[self.symmetry])

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, inf, pi, radians, remainder, sin
+from math import cos, degrees, inf, pi, radians, remainder, sin
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from fabrics import metals
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.schema import declared
 from fabrics.base.sourced import assumed_of
 from fabrics.metals import Metal
 from shellfabric.projectile import sdf_kernels, shapes
@@ -245,6 +246,58 @@ class Projectile(NoseNumbers):
             if isinstance(name, str) and (kept := assumed_of(metals.entry(name))):
                 lines.append(f"assumed of {name}: {', '.join(kept)} (fabrics/metals.toml)")
         return tuple(lines)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What a run takes for granted of it: its body, how it flies, and its friction; a sentence
+        each."""
+        return (self._body_in_words, *self._flight_in_words, self._friction_in_words)
+
+    @property
+    def _body_in_words(self):
+        if self.body == "rigid":
+            return "Rigid."
+        if self.turned is None:
+            return "Elastic-plastic along its axis, and rigid across it."
+        metals_of = f"of {_name_of(self.core or 'lead')}"
+        if self.jacket is not None:
+            metals_of += f" in a jacket of {_name_of(self.jacket)}"
+        return (
+            f"Of metal, {metals_of}: a body of revolution that deforms, flies straight along the normal and does not "
+            "tear."
+        )
+
+    @property
+    def _flight_in_words(self):
+        if self.obliquity:
+            angle = degrees(self.obliquity)
+            yield f"It flies at {angle:.3g}° to the normal, towards {degrees(self.azimuth):.3g}° from the warp."
+        if self.yaw:
+            towards = (
+                "" if self.obliquity else f", towards {degrees(self.azimuth):.3g}° from the warp"
+            )
+            yield f"Its axis leans {degrees(self.yaw):.3g}° from its flight{towards}."
+        if self.roll:
+            yield f"It is turned by {degrees(self.roll):.3g}° about its axis."
+        if self.tilted:
+            yield "It keeps this attitude: nothing turns it."
+
+    @property
+    def _friction_in_words(self):
+        if self.friction:
+            return f"Friction on the fabric {self.friction:g}."
+        return "No friction on the fabric."
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """{name: value in SI units} of its drawing and mesh, as far as they are given."""
+        names = ("shape", "mass", "radius", "edge_radius", "length", *declared(NoseNumbers))
+        if self.body == "metal":
+            names += OF_METAL
+        if self.body == "elastic_bar":
+            names += ("bore_diameter",)
+        given = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in given.items() if value is not None}
 
     @property
     def reach_radius(self) -> float:
@@ -497,6 +550,11 @@ def _load_metal(metal, key):
     if isinstance(metal, Metal):
         return metal
     return metals.load(metal, key=key)
+
+
+def _name_of(metal):
+    """The name of a Metal, or the name itself."""
+    return getattr(metal, "name", metal)
 
 
 def _towards(angle, azimuth):

@@ -50,7 +50,7 @@ def _name_or_size(schema):
     ]
 
 
-class ProjectileTable(Table, NoseNumbers):
+class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its model_config
     """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the
     panel. It is rigid unless `body` says otherwise.
 
@@ -367,7 +367,7 @@ class AccuracyTable(Table):
     uncertainty: _share("largest discretisation uncertainty of the quantity")
 
 
-class NumericsTable(Table, NumericsKeys):
+class NumericsTable(Table, NumericsKeys):  # type: ignore[misc] # frozen by its model_config
     """Parameters of the time integration and of the contact with the projectile. The defaults fit
     all fabrics.
 

@@ -275,7 +275,7 @@ def _opening_or_preset(schema):
     schema["anyOf"] = [{"required": ["opening"]}, {"required": ["preset"]}]
 
 
-class PanelTable(Table, PanelNumbers):
+class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its model_config
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
     `[[panel.ply]]`.
 

@@ -19,6 +19,8 @@ def shot_in_words(shot: ProjectileTable) -> str:
     )
     if shot.obliquity:
         words += f", {degrees(shot.obliquity):.3g}° off the normal"
+    if shot.yaw:
+        words += f", its axis {degrees(shot.yaw):.3g}° off its flight"
     if shot.body == "elastic_bar":
         words += ", elastic-plastic along its axis"
     if shot.body == "metal":

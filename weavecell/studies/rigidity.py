@@ -170,7 +170,9 @@ def metal_of(shot: Projectile) -> tuple[str, bool] | None:
         return None
     density = mean_density(shot)
     if density is None:
-        return shot.known.if_soft and (shot.known.if_soft, False)
+        if shot.known.if_soft is None:
+            return None
+        return shot.known.if_soft, False
     apart = {name: abs(density / metals.load(name).density - 1) for name in CANDIDATES}
     nearest = min(apart, key=lambda name: apart[name])
     return (nearest, True) if apart[nearest] <= SAME_DENSITY else None

@@ -60,7 +60,7 @@ def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves(
     assert told.startswith(
         "assumed: yield_stress 0.41 MPa, hardening 0.0019 MPa, rate_exponent 0, reference_rate"
     )
-    assert told.endswith(", of the block of gelatine 20 %")
+    assert ", of the block of gelatine 20 %. Its outer faces are fixed." in told
     moves = "no back-face signature yet: the block moves with 0.33 % of the strike energy or"
     for outcome, at_rest, said, longer in (
         ("stopped", True, "back-face signature 9 mm (dent in the block at rest; deepest 12 mm", ""),

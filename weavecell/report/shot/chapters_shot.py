@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics import backings
 from fabrics.base.checks import FloatArray
 from fabrics.base.door import option
 from weavecell.report import chapters, pictures, pictures_body, pictures_histories
@@ -237,16 +236,18 @@ def ply_table(record: ImpactRecord) -> Table:
 
 def settings(setup: ImpactSetup) -> Table:
     """Tabulate settings of the solver, for those who develop the code."""
-    values = {
-        "cell model": setup.cell_model,
-        "cell formulation": setup.cell_formulation,
-        "stretches along each side of the cell table": setup.table_size,
-        "time between energy audits": text(setup.audit_interval, "s"),
-    }
-    for name, value in vars(setup.numerics).items():
-        values[name.replace("_", " ")] = value
-    rows = [(name, str(value)) for name, value in values.items()]
-    return Table(("setting", "value"), tuple(rows), "Settings of the solver")
+    from shellfabric.impact import in_words
+
+    rows = [(name, _say(value)) for name, value in in_words.list_settings(setup).items()]
+    return Table(("setting, in SI units", "value"), tuple(rows), "Settings of the solver")
+
+
+def _say(value):
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, tuple):
+        return ", ".join(map(_say, value))
+    return str(value)
 
 
 def _histories(record):
@@ -349,76 +350,12 @@ def assumptions(
     body : whether a rigid projectile is justified, in words
     drawn : whether each yarn has a strength of its own
     """
-    fails = "Yarns do not fail."
-    if setup.yarn_failure:
-        fails = _failure_in_words(setup, drawn)
-    rows = [
-        ("crossovers", _crossovers_in_words(setup)),
-        ("failure of yarns", fails),
-        ("strain rate", "Stiffness and strength of the yarns do not depend on it."),
-        ("projectile", _projectile_in_words(setup.projectile, body)),
-    ]
-    if setup.plies > 1:
-        friction = "No friction."
-        if setup.ply_friction:
-            friction = f"Friction {setup.ply_friction:g}."
-        rows.append(("between plies", friction))
-    if setup.backing is not None:
-        words = backings.assumed_line(setup.backing.name, setup.backing.material)
-        rows.append(("block behind", words))
+    from shellfabric.impact import in_words
+
+    rows = in_words.list_assumptions(setup, body=body, drawn=drawn)
     rows += [("assumed law", line) for line in lines]
     table = Table(("of", "in this run"), tuple(rows))
     return Section("assumptions", "Assumptions", tables=(table,))
-
-
-def _crossovers_in_words(setup):
-    """Whether yarns are pinned at their crossovers or resolved, and what that means for the
-    result."""
-    if setup.crossovers is not None:
-        half_width = 1e3 * setup.crossovers.width
-        return (
-            f"Yarns are resolved within {half_width:g} mm of the impact point, with a coefficient of friction of "
-            f"{setup.crossovers.friction:g} between them, and pinned to each other beyond."
-        )
-    sentences = [
-        "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
-        "In the one pair of tests at hand (S-726) the computed limit is too high.",
-    ]
-    if setup.plies == 1:
-        sentences.append("A nose may push slippery yarns aside and pass far below this limit.")
-    sentences += [f"{_capitalise(note)}." for note in setup.notes]
-    return " ".join(sentences)
-
-
-def _failure_in_words(setup, drawn):
-    strengths = []
-    for fabric in setup.fabrics:
-        warp, weft = fabric.weave.yarns
-        strengths.append(
-            f"{warp.strength:.0f} / {weft.strength:.0f} N ({fabric.name}, warp / weft)"
-        )
-    scatter = "it is the same for all yarns"
-    if drawn or setup.strength:
-        scatter = "each yarn has a drawn strength about it"
-    return f"A yarn fails at its strength, {', '.join(strengths)}, at any strain rate; {scatter}."
-
-
-def _projectile_in_words(projectile, body):
-    sentences = ["Elastic-plastic along its axis."]
-    if projectile.body == "rigid":
-        sentences = ["Rigid."]
-    if body:
-        sentences.append(f"{_capitalise(body)}.")
-    if projectile.friction:
-        sentences.append(f"Friction on the fabric {projectile.friction:g}.")
-    else:
-        sentences.append("No friction on the fabric.")
-    return " ".join(sentences)
-
-
-def _capitalise(sentence):
-    """A sentence with a capital at its beginning, names within it as they are."""
-    return sentence[0].upper() + sentence[1:]
 
 
 def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:

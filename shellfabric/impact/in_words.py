@@ -1,0 +1,111 @@
+"""What a shot takes for granted, in words, and the settings that it was computed with: each is asked of the
+object that has the numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from shellfabric.impact.setup import ImpactSetup
+
+PINNED = (
+    "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
+    "In the one pair of tests at hand (S-726) the computed limit is too high.",
+)
+# of a single ply
+PUSHED_ASIDE = "A nose may push slippery yarns aside and pass far below this limit."
+
+
+def list_assumptions(
+    setup: ImpactSetup, *, body: str = "", drawn: bool = False
+) -> list[tuple[str, str]]:
+    """List what a run takes for granted: (of what, sentences).
+
+    Parameters
+    ----------
+    setup : as it was run
+    body : whether a rigid projectile is justified, in words
+    drawn : whether each yarn has a strength of its own, also where the set-up has none
+    """
+    body_in_words, *flight = setup.projectile.assumptions
+    if body:
+        flight.insert(0, _sentence(body))
+    drawn = drawn or setup.strength is not None
+    rows = [
+        ("crossovers", _of_crossovers(setup)),
+        ("failure of yarns", [setup.failure_in_words(setup.fabrics, drawn)]),
+        ("strain rate", [setup.rate_in_words(setup.fabrics)]),
+        ("edges", setup.frame_in_words),
+        ("projectile", [body_in_words, *flight]),
+    ]
+    if setup.strength is not None:
+        rows.append(("strengths", [setup.strength.words]))
+    if setup.plies > 1:
+        rows.append(("between plies", _between_plies(setup)))
+    if setup.backing is not None:
+        rows.append(("block behind", setup.backing.assumptions))
+    return [(name, " ".join(sentences)) for name, sentences in rows]
+
+
+def list_settings(setup: ImpactSetup) -> dict[str, Any]:
+    """List {name: value in SI units} of what a run was computed with: cell, mesh, time, projectile, block
+    and numerical parameters."""
+    found = {
+        "opening": setup.opening,
+        "impact point": setup.impact_point,
+        "cell model": setup.cell_model,
+        "cell formulation": setup.cell_formulation,
+        "play of a crossover": setup.crossover_gap,
+        "bending stiffness of yarns": setup.bending,
+        "stretches along each side of the cell table": setup.table_size,
+        "elements per crossover": setup.elements_per_crossover,
+        "grading": setup.grading,
+        "latest end": setup.end_time,
+        "time between energy audits": setup.audit_interval,
+        "time between snapshots": setup.snapshot_interval,
+    }
+    if setup.history is not None:
+        found |= _named("histories", vars(setup.history))
+    for fabric in setup.fabrics:
+        found[f"{fabric.name}, modulus of warp and weft"] = tuple(
+            yarn.E for yarn in fabric.weave.yarns
+        )
+    found |= _named("projectile", setup.projectile.settings)
+    if setup.backing is not None:
+        found |= _named("block", setup.backing.settings)
+    return found | _named("", setup.numerics.settings)
+
+
+def _named(of, values):
+    return {f"{of} {name}".strip().replace("_", " "): value for name, value in values.items()}
+
+
+def _of_crossovers(setup):
+    """Whether yarns are pinned at their crossovers or resolved, and what that means for the result."""
+    if setup.crossovers is not None:
+        return list(setup.crossovers.assumptions)
+    sentences = list(PINNED)
+    if setup.plies == 1:
+        sentences.append(PUSHED_ASIDE)
+    return [*sentences, *map(_sentence, setup.notes)]
+
+
+def _between_plies(setup):
+    """Friction, gap and contact of the plies of a pack."""
+    if setup.ply_friction:
+        yield f"Friction {setup.ply_friction:g}."
+    else:
+        yield "No friction."
+    gaps = {setup.ply_gap}
+    if setup.lay_up:
+        gaps = {ply.gap for ply in setup.lay_up[:-1]}
+    given = sorted(1e3 * gap for gap in gaps if gap is not None)
+    if given:
+        yield f"Plies at rest are {' and '.join(f'{gap:g}' for gap in given)} mm apart."
+    contact = setup.fabric.ply_contact
+    if contact is not None:
+        yield f"Their law of pressure is {contact.status}."
+
+
+def _sentence(words):
+    """A sentence with a capital at its beginning, names within it as they are."""
+    return f"{words[0].upper()}{words[1:]}."

@@ -1,0 +1,133 @@
+"""What a report says of a shot follows each key of its input: headline, settings or assumptions change."""
+
+import pytest
+
+import weavecell as wc
+from tests.scene_text import merged
+from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
+from weavecell.report import chapters
+from weavecell.report.shot import chapters_shot
+from weavecell.scenes import build, honoured
+from weavecell.scenes.impact import check
+
+# what is written and when, and what is said of data in chapters of their own
+ELSEWHERE = {
+    "title",
+    "run.checkpoint_interval",
+    "run.outputs",
+    "history.report_positions",
+    "fabric.weaving_damage.source",
+    "fabric.weaving_damage.status",
+}
+
+
+def said(table):
+    """Headline, settings and assumptions of a scene."""
+    scene = check(table, None, honoured.IMPACT)
+    case = build.build(scene, None, "s")
+    setup = build.setup(case, None)
+    cards = chapters.law_cards(case)
+    return (
+        chapters.describe_shot(setup, scene, velocity=True),
+        chapters_shot.settings(setup).rows,
+        chapters_shot.assumptions(setup, ()).tables[0].rows,
+        cards,
+    )
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    "key", [key for key in ENTRIES if key not in ELSEWHERE and not key.startswith("accuracy.")]
+)
+def test_a_key_is_told(key, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    context, value, *_ = row(key)
+    base = merged(merged(SHOT, {key.partition(".")[0]: {}}), context)
+    assert said(with_value(base, key, value)) != said(base)
+
+
+# a shot of each model, and what its report alone says
+BODY = {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"}
+ONE_OF = {
+    "projectile": {
+        "Rigid.": {},
+        "Elastic-plastic along its axis, and rigid across it.": {"body": "elastic_bar"},
+        "Of metal, of lead-antimony in a jacket of gilding metal: a body of revolution": "9 mm FMJ 8.0 g",
+    },
+    "crossovers": {
+        "Warp and weft are pinned to each other at every crossover": {},
+        "Yarns are resolved within 9 mm of the impact point": {
+            "crossovers": "yarns",
+            "zone": "9 mm",
+        },
+    },
+    "failure of yarns": {
+        ", at any strain rate; it is the same for all yarns.": {},
+        ", multiplied by what its strain rate makes of it; it is the same": {
+            "rate_dependence": True
+        },
+        ", at any strain rate; each yarn has a drawn strength": {
+            "strength": {"weibull_shape": 14.0}
+        },
+        "Yarns do not fail.": {"yarn_failure": False},
+    },
+    "strain rate": {
+        "Stiffness and strength of the yarns do not depend on it.": {},
+        "S-720: strength 1 to 1.57 times that of slow tests, modulus 1.23 times": {
+            "rate_dependence": True
+        },
+    },
+    "edges": {
+        "All yarn ends are clamped. A quarter of the panel": {},
+        "All yarn ends are free. A quarter of the panel": {"boundary": "free"},
+        "Warp ends are clamped; Weft ends are held by friction up to 20 N a yarn.": {
+            "boundary": {"weft": {"clamp_force": "20 N"}}
+        },
+    },
+    "between plies": {
+        "No friction.": {"plies": 2},
+        "Friction 0.25. Plies at rest are 0.1 mm apart.": {
+            "plies": 2,
+            "ply_friction": 0.25,
+            "ply_gap": "0.1 mm",
+        },
+    },
+    "block behind": {
+        ", of the block of gelatine 20 %. Its outer faces are fixed. The run ends": {
+            "backing": "gelatine 20 %"
+        },
+        "Its outer faces are absorbing. It is followed for 2 ms after": {
+            "backing": {"outer_boundary": "absorbing", "after_stop": "2 ms"}
+        },
+    },
+}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    "of, sentence", [(of, sentence) for of, shots in ONE_OF.items() for sentence in shots]
+)
+def test_a_report_says_what_its_run_assumes_and_nothing_of_another_model(of, sentence):
+    options = ONE_OF[of][sentence]
+    if of == "projectile":
+        shot = options if isinstance(options, str) else BODY | options
+        options = {"projectile": shot}
+    setup = wc.setup("S-720", "155 m/s", opening="60 mm", **options)
+    told = dict(chapters_shot.assumptions(setup, ()).tables[0].rows)[of]
+    assert [known for known in ONE_OF[of] if known in told] == [sentence], told
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_shot_that_leans_says_how_it_flies():
+    chisel = {"shape": "chisel", "flat_width": "2.5 mm", "flat_angle": "35 deg"}
+    shot = (
+        BODY
+        | chisel
+        | {"obliquity": "20 deg", "azimuth": "30 deg", "yaw": "5 deg", "roll": "10 deg"}
+    )
+    setup = wc.setup("S-720", "155 m/s", opening="60 mm", symmetry="whole", projectile=shot)
+    told = dict(chapters_shot.assumptions(setup, ()).tables[0].rows)["projectile"]
+    assert told == (
+        "Rigid. It flies at 20° to the normal, towards 30° from the warp. Its axis leans 5° from its flight. It is "
+        "turned by 10° about its axis. It keeps this attitude: nothing turns it. No friction on the fabric."
+    )
