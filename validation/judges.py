@@ -58,13 +58,9 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
 
     def judge(row, result, reference):
         found = record(row, result, reference)
-        outcome = FAILED
-        if "problem" not in found:
-            outcome = WRONG
-            if evaluated(entry["stable"], result, reference):
-                outcome = STABLE
-        records.append(found | {"outcome": outcome})
-        outcomes[row.labels[x], row.labels[y]] = outcome
+        found["outcome"] = outcome_of_point(study, found, result, reference)
+        records.append(found)
+        outcomes[row.labels[x], row.labels[y]] = found["outcome"]
 
     def outcome_at(line, place):
         if (place, line) not in outcomes:
@@ -86,6 +82,15 @@ def mapped(study: Study, rows: Sequence[Row], solver: Solver) -> list[Record]:
                 margin = start / edge
             edges.append({x: edge, y: line, "outcome": f"edge {side}: {beyond}", "margin": margin})
     return records + edges
+
+
+def outcome_of_point(study: Study, found: Record, result: Values, reference: Values) -> str:
+    """Judge a point of a map by its record, its result and that of its reference."""
+    if "problem" in found:
+        return FAILED
+    if evaluated(study.content["map"]["stable"], result, reference):
+        return STABLE
+    return WRONG
 
 
 def _edge(places, start, side, outcome_at):

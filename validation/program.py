@@ -17,7 +17,6 @@ from inspect import Parameter, signature
 from typing import Any, get_args, get_origin
 
 from fabrics.base.errors import WeavecellError, marked
-from weavecell.results import provenance
 
 NOTES = {
     "executor": "local, mpi or dask",
@@ -42,14 +41,6 @@ def program(main: Callable[..., Any], words: Sequence[str], **notes: str) -> Non
         print(marked(problem), file=sys.stderr)
         code = problem.exit_code
     sys.exit(code or 0)
-
-
-def made(words: str) -> str:
-    """Say how a file was made: by which program with its arguments, at which commit, when and by
-    which processor."""
-    stamp = provenance.stamp()
-    known = f"commit {stamp['commit']}, {stamp['date']}, {stamp['processor']}"
-    return f"python -m validation {words}, {known}"
 
 
 def options(

@@ -2,8 +2,9 @@
 
     python -m validation study NAME ... [--quick]
 
-`all` stands for all studies. The CSV has command, commit and date in its first line. What is computed is kept in
-results/studies/NAME, and taken from there by the same code.
+`all` stands for all studies. The first line of the CSV says what made it (`validation.origin`); a file in
+docs/reports/data takes committed code. What is computed is kept in results/studies/NAME, and taken from there by the
+same code.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Any
 
 from fabrics.base import run_cache
 from fabrics.base.errors import WeavecellError
-from validation import cases, judges, program, study
+from validation import cases, golden, judges, origin, study
 from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
 from validation.values import Values
 
@@ -52,13 +53,23 @@ def solve(run: str, keywords: Values, warm: Values | None = None) -> Values:
         return {"problem": str(problem)}
 
 
-def solved(study: Study, rows: Sequence[Row], **options: Any) -> list[tuple[Row, Values, Values]]:
+def timed(run: str, keywords: Values, warm: Values | None = None) -> Values:
+    """Run `solve`: what it returns as "values", and the CPU time that all of it took, "spent" [s]."""
+    began = time.process_time()
+    values = solve(run, keywords, warm)
+    return {"values": values, "spent": time.process_time() - began}
+
+
+def solved(
+    study: Study, rows: Sequence[Row], *, spent: dict[str, float] | None = None, **options: Any
+) -> list[tuple[Row, Values, Values]]:
     """Solve cases of a study: (case, what it comes to, what its reference comes to or an empty
     dict).
 
     Parameters
     ----------
     study, rows : Study, and some of its cases
+    spent : gets the CPU time [s] of each run, those of kept results as well
     options : executor and jobs of `run_cache.results`
     """
     content = study.content
@@ -78,8 +89,12 @@ def solved(study: Study, rows: Sequence[Row], **options: Any) -> list[tuple[Row,
             print(f"{study.name}: {done} of {total}", file=sys.stderr, flush=True)
 
     folder = KEPT / study.name
-    found = run_cache.results(solve, list(tasks.values()), folder=folder, report=tell, **options)
-    known = dict(zip(tasks, found))
+    found = run_cache.results(timed, list(tasks.values()), folder=folder, report=tell, **options)
+    known = {}
+    for task, one in zip(tasks, found):
+        known[task] = one["values"]
+        if spent is not None:
+            spent[task] = one["spent"]
     return [(row, known[repr(row.keywords)], known.get(repr(row.reference), {})) for row in rows]
 
 
@@ -117,7 +132,12 @@ def main(
     executor: str = "local",
     out: Path | None = None,
 ) -> int:
-    """Run studies and write their CSVs; returns 1 where one does not come out as its file expects, else 0."""
+    """Run studies and write their CSVs; returns 1 where one does not come out as its file expects, else 0.
+
+    Raises
+    ------
+    InputError : no such study, or code that no commit has, for docs/reports/data
+    """
     if list(names) == ["all"]:
         names = study.all_names()
     folder = DATA
@@ -125,13 +145,20 @@ def main(
     if quick:
         folder = KEPT
         words = " --quick"
+    origin.refuse_changes(out or folder)
     failed = 0
     for name in names:
         chosen = study.load(name)
-        made = program.made(f"study {name}{words}")
-        records = run(chosen, quick=quick, jobs=jobs, executor=executor)
+        spent: dict[str, float] = {}
+        records = run(chosen, quick=quick, spent=spent, jobs=jobs, executor=executor)
         path = (out or folder) / f"{name}.csv"
-        study.write(path, records, made, chosen.content.get("columns"))
+        headings = chosen.content.get("columns")
+        places: list[int] = []
+        if not quick:
+            places = golden.places(chosen, study.texts(records, headings))
+        seconds = f"{sum(spent.values()):.3g}"
+        made = origin.write(f"study {name}{words}", origin.inputs_of(chosen), seconds, places)
+        study.write(path, records, made, headings)
         print(f"{name}: {len(records)} rows in {path}")
         if quick:
             continue

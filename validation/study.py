@@ -18,6 +18,7 @@ A file NAME.toml has
     [fits]      further rows: {column: expression} of `of(column, {key: value})`, the values of a column
     [cost], [map]   how the cases are judged (`validation.judges`)
     expect      expressions of `of` that must hold
+    [golden]    cheap rows by which `validation.stale` sees whether the CSV is still true (`validation.golden`)
     [picture]   columns of the figure in the documentation: x, y, by; and whether they are logarithmic: log = "xy"
     [quick]     keywords changed for a short look, and `most`, the number of cases
 
@@ -273,19 +274,26 @@ def text(value: Any) -> str:
     return str(value)
 
 
+def texts(
+    records: Sequence[Record], headings: Mapping[str, str] | None = None
+) -> list[dict[str, str]]:
+    """Return records as the rows {heading: text} of their CSV, each with all columns."""
+    columns: Record = reduce(or_, records, {})
+    shown = dict(zip(columns, columns)) | dict(headings or {})
+    return [{shown[key]: text(one.get(key)) for key in columns} for one in records]
+
+
 def write(
     path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None
 ) -> None:
     """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
-    columns: Record = reduce(or_, records, {})
-    shown = dict(zip(columns, columns)) | dict(headings or {})
+    rows = texts(records, headings)
     with write_whole(path) as file:
         if made:
             file.write(f"# {made}\n")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(map(shown.get, columns))
-        for one in records:
-            writer.writerow(map(text, map(one.get, columns)))
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def read(path: Path) -> tuple[str, list[dict[str, str]]]:

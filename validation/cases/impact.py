@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 import warnings
 from collections.abc import Mapping, Sequence
@@ -390,6 +391,14 @@ def limit(
         "p_interval": fit.intervals["p"],
         "rms": fit.residual_rms,
     }
+
+
+def perforated(velocities: Sequence[float], **keywords: Any) -> list[bool]:
+    """Fire shots at velocities [m/s] with the keywords of `limit`, in place of its search: whether each perforates."""
+    of_search = {*inspect.signature(limit).parameters} - {"keywords"}
+    this = setup(**{key: value for key, value in keywords.items() if key not in of_search})
+    shots = ballistic_limit.shoot(this.target(this.table(kept=True)), velocities)
+    return [one.perforated for one in shots]
 
 
 def first_failure(

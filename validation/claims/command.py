@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fabrics.base.errors import InputError
-from validation import program, study
+from validation import origin, study
 from validation.claims import claims as data
 from validation.claims import judge, runner, table
 from weavecell.cli.from_signature import CORES
@@ -62,7 +62,8 @@ def main(
             report=lambda done, total: advance(done / max(total, 1)),
         )
     options = " --slow" * slow + " --no-variants" * no_variants
-    made = program.made(f"claims{options}")
+    inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
+    made = origin.write(f"claims{options}", inputs, origin.spent())
     study.write(out / "claims.csv", table.rows(claims, records), made)
     counts = Counter(record.verdict for record in records)
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))

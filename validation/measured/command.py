@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from validation import program, study
+from validation import origin, study
 from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
 from validation.values import Values, compute_each
@@ -50,7 +50,6 @@ def main(
     words = f"measured {' '.join(parts)}"
     if only:
         words += f' --only "{only}"'
-    made = program.made(words)
     commit = provenance.stamp()["commit"]
     rows = read()
     cases = {}
@@ -63,6 +62,9 @@ def main(
     for id, pair in cases.items():
         known[id] = _ran(found, *pair, commit)
     table = [held(row, known.get(row.id, {})) for row in rows]
+    here = Path(__file__).parent
+    inputs = origin.digest_of_files(here / "rows.csv", *here.glob("inputs/**/*.toml"))
+    made = origin.write(words, inputs, origin.spent())
     study.write(folder / "measured.csv", table, made)
     quantities = summary(table)
     study.write(folder / "measured-quantities.csv", quantities, made)

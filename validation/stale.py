@@ -1,0 +1,197 @@
+"""The golden rows of studies, computed again: whether the CSVs in docs/reports/data are still what the code computes.
+
+    python -m validation stale [NAME ...] [--within SECONDS] [--known REASON]
+
+The cheapest study is first. A row is the same, has moved (row, column, kept and present value), or has moved as
+validation/moved.csv lists it: known since a day, for a reason, until the study is computed again. The exit code is 1
+where a row has moved otherwise, where one that is listed is the same again, and where the study's file is no longer
+that of the CSV. `--known` writes what has moved today to the list.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from fabrics.base.errors import InputError
+from fabrics.base.files import write_whole
+from validation import again, golden, origin, study
+from validation.again import Cell, Outcome
+from validation.golden import Golden
+from validation.study import DATA, Study
+
+LIST = Path(__file__).parent / "moved.csv"
+HEADINGS = ("study", "row", "column", "kept", "now", "since", "reason")
+SAME = "same"
+KNOWN = "known"
+MOVED = "MOVED"
+AGAIN = "AGAIN"  # listed as moved, and the same
+INPUTS = "INPUTS"  # the study's file is not that of the CSV
+WRONG = (MOVED, AGAIN, INPUTS)
+NOTES = {
+    "names": "of studies; all by default",
+    "within": "seconds of CPU time: the cheapest studies that take no more in all",
+    "known": "reason for which what moves now is listed in validation/moved.csv",
+}
+Listed = dict[str, str]  # a row of LIST
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is said of a study: its state, CPU time [s], and a line for each thing that there is to tell."""
+
+    name: str
+    state: str
+    seconds: float
+    lines: list[str]
+
+
+def main(names: Sequence[str] = (), *, within: float = 0.0, known: str = "") -> int:
+    """Compute golden rows; returns 1 where one has moved that is not listed, else 0.
+
+    Raises
+    ------
+    InputError : a study that there is not, or one whose golden rows are not in its CSV
+    """
+    chosen = [study.load(name) for name in names or study.all_names()]
+    cheap, dear = in_order(chosen, within)
+    listed = read()
+    verdicts = []
+    for this in cheap:
+        made, records = study.read(DATA / f"{this.name}.csv")
+        outcome = again.compare(this, records)
+        if known:
+            listed = relisted(this, outcome.moves, listed, known)
+        verdicts.append(judge(this, made, outcome, listed))
+        tell(verdicts[-1])
+    if known:
+        write(listed)
+    for this in chosen:
+        reason = golden.table(this).none
+        if reason:
+            print(f"          no row  {this.name}: {reason}")
+    counts = Counter(verdict.state for verdict in verdicts)
+    told = ", ".join(f"{count} {state}" for state, count in counts.items())
+    without = len(chosen) - len(cheap) - len(dear)
+    seconds = sum(verdict.seconds for verdict in verdicts)
+    print(f"{told}; {without} have no row, {len(dear)} not computed; {seconds:.0f} CPU s")
+    return int(any(verdict.state in WRONG for verdict in verdicts))
+
+
+def in_order(chosen: Sequence[Study], within: float) -> tuple[list[Study], list[Study]]:
+    """Order studies with golden rows by their CPU time: those that take no more than `within` [s] together, and others.
+
+    Without `within` none is left out.
+    """
+    costs = {this.name: golden.table(this).cpu_s for this in chosen if golden.table(this).rows}
+    ordered = sorted(
+        (this for this in chosen if this.name in costs), key=lambda this: costs[this.name]
+    )
+    if not within:
+        return ordered, []
+    spent = 0.0
+    for number, this in enumerate(ordered):
+        spent += costs[this.name]
+        if spent > within:
+            return ordered[:number], ordered[number:]
+    return ordered, []
+
+
+def judge(this: Study, made: str, outcome: Outcome, listed: Sequence[Listed]) -> Verdict:
+    """Judge a study by what its golden rows come to, the first line of its CSV, and the list."""
+    entries = [entry for entry in listed if entry["study"] == this.name]
+    lines = []
+    unknown = 0
+    for move in outcome.moves:
+        entry = find(move, entries, golden.table(this))
+        line = f"{move.row}: {move.column}: {move.kept} -> {study.text(move.now)}"
+        if entry is None:
+            unknown += 1
+        else:
+            line += f" (since {entry['since']}: {entry['reason']})"
+        lines.append(line)
+    state = SAME
+    if outcome.moves:
+        state = KNOWN
+    if len(entries) > len(outcome.moves) - unknown:
+        state = AGAIN
+        lines.append("validation/moved.csv lists more than has moved: take it off")
+    if unknown:
+        state = MOVED
+    inputs = origin.read(made).get("inputs", origin.UNKNOWN)
+    if inputs not in (origin.UNKNOWN, origin.inputs_of(this)):
+        state = INPUTS
+        lines.append(
+            f"validation/studies/{this.name}.toml is not the one of the CSV: compute it again"
+        )
+    return Verdict(this.name, state, outcome.seconds, lines)
+
+
+def find(move: Cell, entries: Sequence[Listed], of_study: Golden) -> Listed | None:
+    """Find the entry of the list that has a move, with the values that it has today."""
+    for entry in entries:
+        place = (entry["row"], entry["column"], entry["kept"])
+        if place == (move.row, move.column, move.kept) and again.agrees(
+            entry["now"], move, of_study
+        ):
+            return entry
+    return None
+
+
+def relisted(
+    this: Study, moves: Sequence[Cell], listed: Sequence[Listed], reason: str
+) -> list[Listed]:
+    """Return the list with the moves of a study in place of those that it had; what stays keeps its day and reason."""
+    others = [entry for entry in listed if entry["study"] != this.name]
+    own = [entry for entry in listed if entry["study"] == this.name]
+    today = datetime.now(UTC).strftime("%Y-%m-%d")
+    for move in moves:
+        entry = find(move, own, golden.table(this))
+        if entry is None:
+            values = (
+                this.name,
+                move.row,
+                move.column,
+                move.kept,
+                study.text(move.now),
+                today,
+                reason,
+            )
+            entry = dict(zip(HEADINGS, values))
+        others.append(entry)
+    return others
+
+
+def tell(verdict: Verdict) -> None:
+    """Print a verdict."""
+    print(f"{verdict.seconds:6.1f} s  {verdict.state:6}  {verdict.name}")
+    for line in verdict.lines:
+        print(f"                  {line}")
+    sys.stdout.flush()
+
+
+def read() -> list[Listed]:
+    """Read what is known to have moved.
+
+    Raises
+    ------
+    InputError : other headings
+    """
+    with open(LIST, encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        if tuple(reader.fieldnames or ()) != HEADINGS:
+            raise InputError("has other headings", file=LIST, allowed=", ".join(HEADINGS))
+        return list(reader)
+
+
+def write(listed: Sequence[Listed]) -> None:
+    """Write what is known to have moved, by study."""
+    with write_whole(LIST) as file:
+        writer = csv.DictWriter(file, HEADINGS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(sorted(listed, key=lambda entry: entry["study"]))
