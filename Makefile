@@ -4,6 +4,7 @@ DOCS_VENV ?= .venv-docs
 RESULTS ?= results
 JOBS ?= 2
 SEED ?= 1
+WITHIN ?= 0
 N ?= 1000
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
@@ -13,7 +14,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,installed unitcell3d meshing weavecell refusals)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow nightly mutants package ledger convergence printed validate fuzz pages lint figures studies docs docs-again setup clean
+.PHONY: demo test test-slow nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
@@ -29,7 +30,7 @@ printed: setup  ## every command that the guide prints, run as a reader would: t
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
 nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
-	$(MAKE) --keep-going --jobs 1 fuzz ledger printed docs-again package convergence mutants
+	$(MAKE) --keep-going --jobs 1 fuzz ledger stale printed docs-again package convergence mutants
 
 mutants: setup  ## planted defects, each with the tests nearest to it: more than an hour; fails where fewer than 95 % are found
 	nice $(RUN:-m=) tools/mutants.py --out $(RESULTS)/mutants.csv --least 0.95
@@ -73,6 +74,9 @@ docs:  ## the documentation site in results/site; runs the scripts of examples/ 
 docs-again:  ## the same from the beginning: a change of the code can change what the scripts print
 	rm -rf docs/generated/*/ $(RESULTS)/site
 	$(MAKE) docs
+
+stale: setup  ## golden rows of studies against docs/reports/data: fails where one has moved that validation/moved.csv does not list; all in some ten minutes, or the cheapest WITHIN so many CPU seconds
+	$(RUN) validation stale --within $(WITHIN)
 
 lint: setup
 	$(VENV)/bin/ruff check .
