@@ -21,6 +21,12 @@ DECORATORS = (
     "shellfabric/jit/compile.py",
     "fabrics/base/kernel_cache.py",
 )
+# folders of weavecell that read results, and files in them that read what they have made or what is shipped
+ABOVE_RESULTS = ("api", "cli", "decks", "report")
+READ_THEIR_OWN = (
+    "weavecell/report/shot/beside.py",
+    "weavecell/report/chapters_discretisation.py",
+)
 OWN_DECORATORS = re.compile(r"\b(njit|vectorize|guvectorize|cfunc)\b")
 NAMED_TUPLE = re.compile(r"^[^#\n]*(\bnamedtuple\(|\bNamedTuple\b\)?:)", re.MULTILINE)
 
@@ -78,7 +84,20 @@ def kernels_outside_the_cache(root):
             yield f"{name} defines a named tuple"
 
 
-@pytest.mark.parametrize("rule", [kernels_that_are_not_plain, kernels_outside_the_cache])
+def results_read_past_their_list(root):
+    """Files of results are read by `weavecell.results`, whose `open_folder` compares them with their list first."""
+    readers = re.compile(
+        r"\bimport h5py\b|\bjson\.loads?\(|\bread_csv\(|\bread_hdf5\(|Record\.read\(|\bFileList\b"
+    )
+    for name, _, text in sources(root, [f"weavecell/{above}" for above in ABOVE_RESULTS]):
+        if name not in READ_THEIR_OWN and readers.search(text):
+            yield f"{name} reads a file of results past `open_folder`"
+
+
+RULES = kernels_that_are_not_plain, kernels_outside_the_cache, results_read_past_their_list
+
+
+@pytest.mark.parametrize("rule", RULES)
 def test_the_rule_is_kept(rule):
     assert len(list(sources(ROOT))) > 200
     assert list(rule(ROOT)) == []
@@ -105,6 +124,12 @@ def write(root, name, text):
             "from numba import njit\n",
         ),
         (kernels_outside_the_cache, "meshing/new.py", "class Pair(NamedTuple):\n    a: int\n"),
+        (results_read_past_their_list, "weavecell/api/new.py", "content = json.loads(text)\n"),
+        (
+            results_read_past_their_list,
+            "weavecell/report/new.py",
+            "shot = ImpactRecord.read(file)\n",
+        ),
     ],
 )
 def test_the_rule_finds_a_violation(tmp_path, rule, file, text):

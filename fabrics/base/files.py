@@ -237,6 +237,23 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
         raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
 
 
+def format_of_hdf5(path: FilePath) -> str:
+    """Return the format that an HDF5 file states; "" without one. Needs h5py.
+
+    Raises
+    ------
+    InputError : no such file, or not HDF5
+    """
+    import h5py
+
+    note_read(path)
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return str(file.attrs.get("format", ""))
+    except (OSError, RuntimeError, LookupError, ValueError) as problem:
+        raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from problem
+
+
 def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
     """Read a JSON file of this project.
 

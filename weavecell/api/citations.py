@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -10,16 +9,16 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fabrics import __version__, catalogue, references
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import read_toml
-from weavecell.api.saved import KINDS
 from weavecell.api.target import read_target, resolve_target, unknown_target
 from weavecell.results import provenance, sources
+from weavecell.results.result_folder import KINDS, open_folder
 from weavecell.results.sources import Source
 from weavecell.scenes import build, honoured
 from weavecell.scenes import coupon as coupons
@@ -202,11 +201,11 @@ def cite(target: FilePath, *, out: FilePath | None = None) -> Citations:
 
 def _of_folder(folder: Path) -> Citations:
     """Read what a run recorded of its sources and versions."""
+    found = open_folder(folder)
     for name in (*KINDS, "provenance.json"):
-        file = folder / name
-        if not file.is_file():
+        if not found.has(name):
             continue
-        content = _read_json(file)
+        content = found.read_json(name)
         stamp = content.get("provenance", content)
         if isinstance(stamp, dict) and isinstance(stamp.get("sources"), list):
             rows = tuple(Source(*row) for row in stamp["sources"])
@@ -218,15 +217,6 @@ def _of_folder(folder: Path) -> Citations:
             return Citations(str(folder), rows, _with_laws((*uses, "picture"), rows), versions)
     allowed = "a folder of results of this version of weavecell"
     raise InputError(key="target", value=str(folder), allowed=allowed)
-
-
-def _read_json(file: Path) -> dict[str, Any]:
-    """Return the content of a JSON file; nothing of one that is damaged."""
-    try:
-        content = json.loads(files.read_bytes(file).decode("utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return content if isinstance(content, dict) else {}
 
 
 def _of_input(name: str) -> Citations:

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
 NAMES = (
-    "scene.toml",
+    *out_folder.INPUT,
     "histories.h5",
     "summary.json",
     "load.csv",
@@ -451,12 +451,12 @@ class CouponResult(Result):
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint."""
         from weavecell.report import checks, page
-        from weavecell.results import json_file, provenance
+        from weavecell.results import json_file, provenance, result_folder
 
         folder = Path(out)
         stamp = provenance.stamp(self.text, self.case.fabric)
-        if self.text:
-            out_folder.write_copy(folder / "scene.toml", self.text)
+        # paths of a coupon are those that were read
+        result_folder.keep_input(folder, self.text, self.case.scene, Path())
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed()
         content |= {"provenance": stamp}

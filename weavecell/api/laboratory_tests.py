@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 OF_TESTS = ("tests.json", "shots.csv", "tests.svg")
-NAMES = ("comparison.json", "shots.csv", "comparison.svg", "scene.toml", "report.html")
+NAMES = ("comparison.json", "shots.csv", "comparison.svg", *out_folder.INPUT, "report.html")
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ NAMES = (
     "critical-velocity.json",
     "shots.csv",
     "residual-velocity.svg",
-    "scene.toml",
+    *out_folder.INPUT,
     "report.html",
 )
 
@@ -333,8 +333,7 @@ def keep(ended: Sequence[Shot], problem: BaseException, panel: Target, folder: P
         problem.shots = tuple(shots)
     if folder is not None and (shots or not isinstance(problem, InputError)):
         files.write(folder / "shots.csv", csv_of(shots))
-        if panel.text:
-            out_folder.write_copy(folder / "scene.toml", panel.text)
+        panel.keep_input(folder)
 
 
 @dataclass(frozen=True, repr=False)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
     from weavecell.studies.small_patch import SmallPatch, Struck
 
-NAMES = ("patch.json", "patch.csv", "patch.svg", "scene.toml")
+NAMES = ("patch.json", "patch.csv", "patch.svg", *out_folder.INPUT)
 WORDS = {"pinned": "pinned crossovers", "yarns": "resolved yarns", "solids": "solid yarns"}
 ROWS = 51
 
@@ -213,8 +213,7 @@ class PatchResult(DrawnResult):
 
         folder = Path(out)
         with out_folder.hold(out, NAMES):
-            if self.target.text:
-                out_folder.write_copy(folder / "scene.toml", self.target.text)
+            self.target.keep_input(folder)
             stamp = provenance.stamp(self.target.text, setup=self.target.setup)
             self._write_files(folder, stamp)
 

@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics import catalogue, plausible
-from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
@@ -336,20 +335,12 @@ def reduce_shot(
 
 def _histories(folder):
     """{"time", "velocity", "contact_force": (n,)} of the folder of a shot."""
-    import h5py
+    from weavecell.results.result_folder import HISTORIES, open_folder
 
-    file = Path(folder) / "histories.h5"
-    try:
-        files.note_read(file)
-        # some network drives have no locks
-        with h5py.File(file, "r", locking=False) as content:
-            return {
-                name: content[f"histories/{name}"][:]
-                for name in ("time", "velocity", "contact_force")
-            }
-    except (OSError, KeyError):
-        allowed = "a folder of weavecell impact, with its histories.h5"
-        raise InputError(key="computed", value=str(folder), allowed=allowed) from None
+    allowed = "a folder of weavecell impact, with its histories.h5"
+    if not (Path(folder) / HISTORIES).is_file():
+        raise InputError(key="computed", value=str(folder), allowed=allowed)
+    return open_folder(folder).read_histories("time", "velocity", "contact_force")
 
 
 @dataclass(frozen=True, repr=False)

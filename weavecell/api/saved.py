@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_bytes
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
@@ -20,31 +18,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-# what a folder has of one kind of result, the first that is there: its JSON file, and its table
-KINDS = {
-    "difference.json": "difference.csv",
-    "comparison.json": "shots.csv",
-    "critical-velocity.json": "shots.csv",
-    "v50.json": "shots.csv",
-    "sweep.json": "sweep.csv",
-    "tests.json": "shots.csv",
-    "compression.json": "platen-curve.csv",
-    "shot.json": "motion.csv",
-    "biaxial.json": "",
-    "law.json": "",
-    "surface.json": "",
-    "case.json": "",
-    "mesh.json": "",
-    "summary.json": "",
-}
+    from weavecell.results.result_folder import ResultFolder
 
 
-def load(folder: FilePath) -> ShotResult | SavedResult:
-    """Open the results of an earlier run.
+def load(folder: FilePath, *, changed: bool = False) -> ShotResult | SavedResult:
+    """Open the results of an earlier run, wherever their folder is now.
+
+    The files are compared with the digests that were written with them. A scene that names files of
+    your own, such as a fabric, is read with the copies that the folder keeps of them.
 
     Parameters
     ----------
     folder : that a command or function wrote, its `out`
+    changed : take files that were changed since they were written, and say which; else they are
+        refused
 
     Returns
     -------
@@ -53,7 +40,7 @@ def load(folder: FilePath) -> ShotResult | SavedResult:
 
     Raises
     ------
-    InputError : no such folder, or none with results
+    InputError : no such folder, none with results, or files that are missing, cut or changed
 
     Examples
     --------
@@ -61,43 +48,23 @@ def load(folder: FilePath) -> ShotResult | SavedResult:
     >>> wc.load("yesterday").outcome
     'in flight'
     """
-    from weavecell.results.impact import FORMAT
+    from weavecell.results import result_folder
 
-    place = Path(folder)
-    if not place.is_dir():
-        message = "is no folder" if place.exists() else "is not there"
-        raise InputError(message, file=place, allowed="a folder of results, the out of a run")
-    histories = place / "histories.h5"
-    if histories.is_file() and _format_of(histories) == FORMAT:
-        scene = place / "scene.toml"
-        if scene.is_file():
-            return ShotResult.read_folder(place, read_target(str(scene), place, honoured.IMPACT))
-        return ShotResult.read(histories)
-    for name, table in KINDS.items():
-        if (place / name).is_file():
-            return SavedResult.read(place, name, table)
-    allowed = f"a folder with one of histories.h5, {', '.join(KINDS)}"
+    found = result_folder.open_folder(
+        folder, changed=changed, allowed="a folder of results, the out of a run"
+    )
+    if found.is_impact:
+        if not found.has(result_folder.SCENE):
+            return cast(ShotResult, found.read_impact(ShotResult))
+        scene = str(found.folder / result_folder.SCENE)
+        copies = found.changes_of_scene()
+        target = read_target(scene, found.folder, honoured.IMPACT, changes=copies)
+        return ShotResult.of_folder(found, target)
+    kind = found.find_kind()
+    if kind is not None:
+        return SavedResult.read(found, kind)
+    allowed = f"a folder with one of histories.h5, {', '.join(result_folder.KINDS)}"
     raise InputError(key="folder", value=str(folder), allowed=allowed)
-
-
-def _read_json(path):
-    """The table of a JSON file, of any format and version."""
-    allowed = "results of weavecell"
-    try:
-        content = json.loads(read_bytes(path).decode("utf-8-sig"))
-    except (OSError, ValueError, RecursionError) as problem:
-        raise InputError("is not JSON", file=path, allowed=f"{allowed} ({problem})") from problem
-    if not isinstance(content, dict):
-        raise InputError("is no table", file=path, allowed=allowed)
-    return content
-
-
-def _format_of(path):
-    """The format that an HDF5 file names; "" without one."""
-    import h5py
-
-    with h5py.File(path, "r", locking=False) as file:
-        return str(file.attrs.get("format", ""))
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,15 +94,11 @@ class SavedResult(Result):
     main: str
 
     @classmethod
-    def read(cls, folder: Path, name: str, main: str = "") -> SavedResult:
+    def read(cls, found: ResultFolder, name: str) -> SavedResult:
         """Read the JSON file of a name and all tables of a folder."""
-        from pandas import read_csv
+        from weavecell.results.result_folder import KINDS
 
-        content = _read_json(folder / name)
-        tables = {}
-        for path in sorted(folder.glob("*.csv")):
-            tables[path.name] = read_csv(path, comment="#")
-        return cls(folder, name, content, tables, main)
+        return cls(found.folder, name, found.read_json(name), found.read_tables(), KINDS[name])
 
     @property
     def report(self) -> Path | None:

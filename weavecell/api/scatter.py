@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from weavecell.studies.v50 import Study
 
 
-NAMES = ("v50.json", "v50.csv", "shots.csv", "v50.png", "scene.toml", "report.html")
+NAMES = ("v50.json", "v50.csv", "shots.csv", "v50.png", *out_folder.INPUT, "report.html")
 
 
 @out_folder.reading

@@ -2,7 +2,7 @@
 
 The folder of `weavecell impact`
     scene.toml      the input file as it was given
-    projectile.stl  a copy of the STL file of the projectile, where the input file names one
+    inputs/         copies of the files that the input file names, such as fabric, law and STL
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
     panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
@@ -28,7 +28,7 @@ import logging
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 import numpy as np
 
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Embedded
+    from weavecell.results.result_folder import ResultFolder
     from weavecell.scenes.build import Case
     from weavecell.scenes.impact import AccuracyTable
     from weavecell.studies.assumed_range import AssumedRange
@@ -74,8 +75,7 @@ WINDOW = "window"  # folder of the finished shots at other velocities
 SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")
 PANEL = ("panel.pvd", "panel/panel-*.vtu", *SURFACES)
 NAMES = (
-    "scene.toml",
-    "projectile.stl",
+    *out_folder.INPUT,
     "histories.h5",
     "summary.json",
     *PANEL,
@@ -448,14 +448,21 @@ class ShotResult(ImpactRecord, Result):
 
         Raises
         ------
-        InputError : no histories.h5 of an impact
+        InputError : no histories.h5 of an impact, or files that were changed
         """
+        from weavecell.results.result_folder import open_folder
+
+        return cls.of_folder(open_folder(folder), target)
+
+    @classmethod
+    def of_folder(cls, found: ResultFolder, target: Target) -> ShotResult:
+        """Read the result of a finished run at a target from its opened folder, as `read_folder`."""
         return replace(
-            cls.read(folder / "histories.h5"),
+            cast(ShotResult, found.read_impact(cls)),
             fabric=target.setup.fabric,
             assumed=list_assumptions(target.setup),
             target=target,
-            read_from=folder,
+            read_from=found.folder,
         )
 
     @property
@@ -637,8 +644,7 @@ class ShotResult(ImpactRecord, Result):
         assert target is not None
         projectile = self.case.scene.projectile
         stamp = provenance.stamp(target.text, setup=target.setup)
-        if target.text:
-            out_folder.write_copy(out / "scene.toml", target.text)
+        target.keep_input(out)
         self.write(out / "histories.h5")
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
@@ -654,8 +660,6 @@ class ShotResult(ImpactRecord, Result):
             "provenance": stamp,
         }
         json_file.write_summary(out / "summary.json", content)
-        if projectile.stl is not None:
-            out_folder.write_copy(out / "projectile.stl", Path(projectile.stl).read_bytes())
         return stamp
 
     def _sections(self, setup):

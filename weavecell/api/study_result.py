@@ -107,9 +107,8 @@ class StudyResult(DrawnResult):
 
         out = Path(out)
         stamp = provenance.stamp(self.target.text, setup=self.target.setup)
-        with out_folder.hold(out, (*self.files(), "scene.toml", "report.html")):
-            if self.target.text:
-                out_folder.write_copy(out / "scene.toml", self.target.text)
+        with out_folder.hold(out, (*self.files(), *out_folder.INPUT, "report.html")):
+            self.target.keep_input(out)
             self._write_files(out, stamp)
             if installed.can_draw():
                 self._write_report(out, stamp)

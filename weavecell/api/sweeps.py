@@ -63,7 +63,7 @@ _SHOWN = (
 )
 
 
-NAMES = ("sweep.json", "sweep.csv", "sweep.png", "scene.toml", "report.html")
+NAMES = ("sweep.json", "sweep.csv", "sweep.png", *out_folder.INPUT, "report.html")
 
 
 @out_folder.reading

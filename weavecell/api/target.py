@@ -103,6 +103,16 @@ class Target:
             return None
         return words.shot_in_words(self.case.scene.projectile)
 
+    def keep_input(self, folder: Path) -> None:
+        """Write the input file to a folder of results, with copies of the files that it names."""
+        from weavecell.results import result_folder
+
+        base = Path.cwd()
+        if self.from_file:
+            base = Path(self.name).parent
+        if self.case is not None:
+            result_folder.keep_input(folder, self.text, self.case.scene, base)
+
     @contextmanager
     def name_problems(self) -> Iterator[None]:
         """Name the input file and its key in an InputError that is raised inside this block."""

@@ -41,7 +41,8 @@ ASIDE = ".found"
 NOT_WRITABLE = "a folder that can be written to ({})"
 ANOTHER_WRITES = "another folder: another run is writing to this one"
 # copies of what a run reads: where the run reads that very file, it is left as it is
-COPIES = ("scene.toml", "projectile.stl")
+OF_INPUTS = ("inputs/*/*/*", "inputs/*/*", "inputs/*")
+INPUT = ("scene.toml", *OF_INPUTS)
 
 
 @dataclass
@@ -329,7 +330,7 @@ def _judge_names(folder, place, new, claimed):
     strange = []
     for name in found:
         path = place / name
-        if path.resolve() in read and name in COPIES:
+        if path.resolve() in read and file_list.matches(name, INPUT):
             continue
         if path.resolve() in read:
             refused.append(f"{name}, which this run reads")
@@ -404,7 +405,7 @@ def _finish(place, key):
     listed = FileList.read(place)
     for name, digests in [*listed.digests.items()]:
         # an input that the user changed where it lay
-        changed = name in COPIES and not listed.has(name, place / name)
+        changed = file_list.matches(name, INPUT) and not listed.has(name, place / name)
         if (place / name).exists() and not changed:
             # the last one, if not the file itself: then the file was changed meanwhile
             listed.digests[name] = digests[-1:]

@@ -26,7 +26,7 @@ from fabrics.base.schema import (
     validated,
 )
 from fabrics.yarn import STATUSES
-from weavecell.scenes import honoured
+from weavecell.scenes import honoured, kept_files
 
 
 class InlineLaw(Table):
@@ -279,6 +279,7 @@ def check_scene(
     ------
     InputError : a line for each thing that is wrong with it
     """
+    table = kept_files.use_copies_of_missing(table, file)
     scene = validated(kind, table, file, context)
     if refused is not None:
         honoured.check(scene, table, file, refused)

@@ -34,7 +34,7 @@ from fabrics.base.schema import (
 from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.projectile import shapes
 from shellfabric.projectile.shapes import OF_METAL, SHAPES, NoseNumbers
-from weavecell.scenes import honoured, presets, stl_file
+from weavecell.scenes import honoured, kept_files, presets, stl_file
 from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
 
@@ -478,6 +478,8 @@ def check(
     ------
     InputError : one line naming the file, the key, its value and what is allowed
     """
+    # what is named here is looked up before the scene is made
+    table = kept_files.use_copies_of_missing(table, file)
     table = presets.fill(table, file)
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.describe_stl(table, ProjectileTable.model_fields, file)

@@ -7,7 +7,7 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from weavecell.api import saved
+from weavecell.results.result_folder import KINDS
 
 SHORT = {"opening": "20 mm", "end_time": "10 us"}
 
@@ -55,17 +55,17 @@ def test_shots_in_one_picture(shots):
     np.testing.assert_allclose(axes[1].lines[0].get_ydata(), 1e3 * first.deflection)
 
 
-@pytest.mark.parametrize("name", [name for name in saved.KINDS if name != "summary.json"])
+@pytest.mark.parametrize("name", [name for name in KINDS if name != "summary.json"])
 def test_any_other_folder_has_numbers_and_tables(tmp_path, name):
     (tmp_path / name).write_text(json.dumps({"format": "weavecell x 1", "speed_m_s": 97.5}))
-    if saved.KINDS[name]:
+    if KINDS[name]:
         table = "strike velocity [m/s],residual velocity [m/s]\n90,0\n130,60.5\n"
-        (tmp_path / saved.KINDS[name]).write_text(table)
+        (tmp_path / KINDS[name]).write_text(table)
     found = wc.load(tmp_path)
     assert found.summary()["speed_m_s"] == 97.5
     assert f"speed_m_s: {97.5}" in str(found)
     assert found.report is None
-    if saved.KINDS[name]:
+    if KINDS[name]:
         assert list(found.to_dataframe()["residual velocity [m/s]"]) == [0.0, 60.5]
         axis = wc.overlay(found, found).axes[0]
         np.testing.assert_array_equal(axis.lines[1].get_ydata(), [0.0, 60.5])

@@ -257,7 +257,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
     assert told["energy_error_max"] < 0.0025
     assert not told["mirror_x"]
     assert told["provenance"]["projectile_stl"].endswith(" mm 0.0004")
-    assert (tmp_path / "whole" / "projectile.stl").read_bytes() == CUBE.read_bytes()
+    assert (tmp_path / "whole" / "inputs" / "body.stl").read_bytes() == CUBE.read_bytes()
     with interrupted(0.5):
         assert command("impact", "scene.toml", "--out", "part")[0] == 130
     ascii_file(tmp_path / "body.stl", facets() * [1, 1, 1.01])

@@ -31,6 +31,7 @@ from weavecell.report.pictures_style import CLAY, INK, RED, STEEL, WARP, WEFT, t
 from weavecell.report.shot import beside, chapters_shot, moving, pictures_shot
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
+from weavecell.results.result_folder import HISTORIES, SERIES, open_folder
 
 _ALLOWED = "a folder that holds panel.pvd or crossover.vtu, or a .pvd or .vtu file"
 MOVIES = (".gif", ".mp4")
@@ -229,9 +230,15 @@ def _show_elements(file, panel, screenshot):
 
 
 def find(path: Path) -> Path:
-    """Find the .vtu file to show for a path: of a series the last one."""
+    """Find the .vtu file to show for a path: of a series the last one.
+
+    Raises
+    ------
+    InputError : there is none, or a file of the folder was changed since it was written
+    """
     path = Path(path)
     if path.is_dir():
+        open_folder(path, *SERIES)
         for name in ("panel.pvd", "crossover.vtu"):
             if (path / name).exists():
                 return find(path / name)
@@ -253,11 +260,11 @@ def panel_of(path: Path, file: Path) -> Panel | None:
         folder = path
     elif path.suffix == ".pvd":
         folder = path.parent
-    histories = folder / "histories.h5"
     series = folder / "panel.pvd"
-    if not histories.exists() or not series.exists():
+    if not (folder / HISTORIES).exists() or not series.exists():
         return None
-    return Panel(ImpactRecord.read(histories), vtk.read_series(series))
+    found = open_folder(folder, *SERIES)
+    return Panel(found.read_impact(), vtk.read_series(series))
 
 
 def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:

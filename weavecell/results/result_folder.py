@@ -1,0 +1,257 @@
+"""The folder of a result, read: what it holds is compared with its list before anything is taken.
+
+This is the only way to the files of a result. `open_folder` compares the numbers of a folder, its
+input and the files that this names, with the digests that were written with them
+(`results.file_list`); pictures and pages are for the reader alone. `keep_input` writes the input.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import parse_toml, read_bytes
+from weavecell.results import file_list, out_folder
+from weavecell.results.file_list import FileList
+from weavecell.results.impact import FORMAT, ImpactRecord
+from weavecell.scenes import kept_files
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+SCENE = "scene.toml"
+HISTORIES = "histories.h5"
+# what is computed, and what it was computed from
+NUMBERS = ("*.h5", "*.json", "*.csv", *out_folder.INPUT)
+# the shapes of all instants
+SERIES = ("*.pvd", "*/*.vtu", "*.vtu")
+# {JSON file of a kind of result: its table}; a folder has the first that is there
+KINDS = {
+    "difference.json": "difference.csv",
+    "comparison.json": "shots.csv",
+    "critical-velocity.json": "shots.csv",
+    "v50.json": "shots.csv",
+    "sweep.json": "sweep.csv",
+    "tests.json": "shots.csv",
+    "compression.json": "platen-curve.csv",
+    "shot.json": "motion.csv",
+    "biaxial.json": "",
+    "law.json": "",
+    "surface.json": "",
+    "case.json": "",
+    "mesh.json": "",
+    "summary.json": "",
+}
+WITHOUT_LIST = f"has no {file_list.NAME}: whether its files were changed cannot be told"
+
+
+@dataclass(frozen=True)
+class ResultFolder:
+    """A folder of a result, whose files are those that were written.
+
+    Parameters
+    ----------
+    folder : that was opened
+    listed : FileList of it
+    changed : names of the files that are not as they were written, which the user takes all the same
+    """
+
+    folder: Path
+    listed: FileList = field(default_factory=FileList)
+    changed: tuple[str, ...] = ()
+
+    def has(self, name: str) -> bool:
+        """Say whether there is a file of a name."""
+        return (self.folder / name).is_file()
+
+    def find_kind(self) -> str | None:
+        """Find the JSON file that says what kind of result it is; None without one."""
+        return next((name for name in KINDS if self.has(name)), None)
+
+    @property
+    def is_impact(self) -> bool:
+        """Whether the histories are those of an impact, as this version writes them."""
+        return self.has(HISTORIES) and files.format_of_hdf5(self.folder / HISTORIES) == FORMAT
+
+    def read_json(self, name: str) -> dict[str, Any]:
+        """Read a JSON file of any format.
+
+        Raises
+        ------
+        InputError : no such file, or it is no table
+        """
+        path = self.folder / name
+        allowed = "results of weavecell"
+        try:
+            content = json.loads(read_bytes(path).decode("utf-8-sig"))
+        except (OSError, ValueError, RecursionError) as problem:
+            message = f"{allowed} ({problem})"
+            raise InputError("is not JSON", file=path, allowed=message) from problem
+        if not isinstance(content, dict):
+            raise InputError("is no table", file=path, allowed=allowed)
+        return content
+
+    def read_tables(self) -> dict[str, DataFrame]:
+        """Read all CSV files: {name: table}.
+
+        Raises
+        ------
+        InputError : one that cannot be read
+        """
+        from pandas import read_csv
+        from pandas.errors import EmptyDataError, ParserError
+
+        tables = {}
+        for path in sorted(self.folder.glob("*.csv")):
+            try:
+                tables[path.name] = read_csv(path, comment="#")
+            except (EmptyDataError, ParserError, UnicodeDecodeError, OSError) as problem:
+                raise InputError(f"is not a readable table ({problem})", file=path) from problem
+        return tables
+
+    def read_impact(self, kind: type[ImpactRecord] = ImpactRecord) -> ImpactRecord:
+        """Read the record of an impact, as an ImpactRecord or a class that is derived from it.
+
+        Raises
+        ------
+        InputError : no histories.h5 of an impact
+        """
+        return kind.read(self.folder / HISTORIES)
+
+    def read_histories(self, *names: str) -> dict[str, Any]:
+        """Read some histories (n,) of an impact of any version: {name: values}.
+
+        Raises
+        ------
+        InputError : no histories.h5 with these
+        """
+        path = self.folder / HISTORIES
+        stated = files.format_of_hdf5(path)
+        with files.read_hdf5(path, stated, what="file of histories") as content:
+            return {name: content[f"histories/{name}"][:] for name in names}
+
+    def changes_of_scene(self) -> dict[str, Any]:
+        """Return {table of scene.toml: what it says}, of tables that name files, with the copies that
+        the folder keeps of these.
+
+        Raises
+        ------
+        InputError : scene.toml, or the list of the copies, is damaged
+        """
+        path = self.folder / SCENE
+        try:
+            table = parse_toml(files.read_text(path))
+        except ValueError as problem:
+            raise InputError(f"is not TOML ({problem})", file=path) from problem
+        used = kept_files.use_copies(table, kept_files.read_named(self.folder))
+        return {name: used[name] for name in kept_files.KEYS if name in used}
+
+
+def open_folder(
+    folder: FilePath, *patterns: str, changed: bool = False, allowed: str = "a folder of results"
+) -> ResultFolder:
+    """Open the folder of a result.
+
+    Parameters
+    ----------
+    folder : that a command or function wrote
+    patterns : names of files that are compared beside the numbers, with wildcards
+    changed : whether to take files that are not as they were written, which is told; else they are
+        refused
+    allowed : what is named if there is no such folder
+
+    Raises
+    ------
+    InputError : no such folder, or files that were changed, cut or lost
+    """
+    place = Path(folder)
+    if not place.is_dir():
+        message = "is no folder" if place.exists() else "is not there"
+        raise InputError(message, file=place, allowed=allowed)
+    listed = FileList.read(place)
+    found = ResultFolder(place, listed, tuple(_find_changed(place, listed, patterns)))
+    log = logging.getLogger("weavecell")
+    if not listed.digests and found.find_kind() is not None:
+        log.warning(f"{place} {WITHOUT_LIST}")
+    for name in found.changed:
+        state = "is not as weavecell wrote it"
+        if not found.has(name):
+            state = "is missing"
+        if not changed:
+            way = "the folder as it was written; in Python load(folder, changed=True) takes it as it is"
+            raise InputError(state, file=place / name, allowed=way)
+        log.warning(f"{place / name} {state}")
+    return found
+
+
+def _find_changed(place, listed, patterns):
+    """The names of the numbers that are not what was written last, and of a kind of result that
+    weavecell did not write where it wrote others."""
+    wrong = []
+    for name in listed.damaged(place, [*NUMBERS, *patterns]):
+        # the state of a run under way goes when it ends
+        if not file_list.matches(name, [out_folder.CHECKPOINTS]):
+            wrong.append(name)
+    if listed.digests:
+        for name in (*KINDS, HISTORIES, SCENE):
+            if (place / name).is_file() and name not in listed.digests:
+                wrong.append(name)
+    return wrong
+
+
+def keep_input(folder: Path, text: str, scene: Any, base: Path) -> None:
+    """Write the input of a run to its folder: scene.toml as it was given, and in inputs/ the files
+    that it names.
+
+    Parameters
+    ----------
+    text : of the input file; nothing is written of ""
+    scene : that was made of it
+    base : folder from which its paths count
+    """
+    if not text:
+        return
+    out_folder.write_copy(folder / SCENE, text)
+    kept = {}
+    for written, path in kept_files.find_named(parse_toml(text), scene, base).items():
+        kept[written] = _read_with_beside(path)
+    # of an earlier run, which named others
+    for names in out_folder.OF_INPUTS:
+        out_folder.remove_earlier(folder, names)
+    if not kept:
+        return
+    copies = {}
+    taken: dict[str, bytes] = {Path(kept_files.NAMED).name: b""}
+    for written, contents in kept.items():
+        within = _find_place(contents, taken)
+        taken |= {within + name: content for name, content in contents.items()}
+        copies[written] = within + next(iter(contents))
+    del taken[Path(kept_files.NAMED).name]
+    for name, content in taken.items():
+        files.write(folder / kept_files.FOLDER / name, content)
+    files.write(folder / kept_files.NAMED, kept_files.list_named(copies))
+
+
+def _read_with_beside(path: Path) -> dict[str, bytes]:
+    """{path from its folder: content} of a file, the first, and of those that it names beside it."""
+    contents = {path.name: read_bytes(path)}
+    for name, beside in kept_files.find_beside(path).items():
+        contents[name] = read_bytes(beside)
+    return contents
+
+
+def _find_place(contents: Mapping[str, bytes], taken: Mapping[str, bytes]) -> str:
+    """The folder in inputs, "" or one with a number, where no other file has one of these names."""
+    within = ""
+    number = 1
+    while any(taken.get(within + name, content) != content for name, content in contents.items()):
+        number += 1
+        within = f"{number}/"
+    return within
