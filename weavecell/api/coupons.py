@@ -2,6 +2,7 @@
 
 The folder of `weavecell coupon`
     scene.toml      the input file as it was given
+    inputs/         copies of the files that the input file names
     histories.h5    measures, nodes and shear after every step, tensions at the end
                     (`results.coupon`)
     summary.json    outcome, measures at the end, provenance

@@ -7,6 +7,7 @@ The folder of `weavecell reduce tests`
     comparison.svg       residual against strike velocity, tested and computed
     report.html          all of it on one page
     scene.toml           the input file
+    inputs/              copies of the files that the input file names
 
 Of tests alone
     tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals,

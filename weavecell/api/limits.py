@@ -3,6 +3,7 @@
 The folder of `weavecell critical-velocity`
     scene.toml               the input file; that of a fabric is the standard one, and can be run
                              again or changed
+    inputs/                  copies of the files that the input file names
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots,
                              provenance
     shots.csv                one row a shot, by strike velocity

@@ -6,6 +6,7 @@ The folder of `weavecell patch`
     patch.csv       velocity and way of the nose in each model, one row a time
     patch.svg       the same
     scene.toml      the input file as it was given
+    inputs/         copies of the files that the input file names
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 The folder of `weavecell sweep`
     scene.toml      the input file
+    inputs/         copies of the files that the input file names
     sweep.csv       a row for each combination
     sweep.json      the same, and provenance
     sweep.png       the quantity against the first key

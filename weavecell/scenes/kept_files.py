@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path, PurePath
 from typing import Any
@@ -79,7 +79,8 @@ def find_beside(path: Path) -> dict[str, Path]:
 
     What such a file names elsewhere cannot be kept without a change of the file, which is told.
     """
-    read = {".toml": parse_toml, ".json": json.loads}.get(path.suffix.lower())
+    readers: dict[str, Callable[[str], Any]] = {".toml": parse_toml, ".json": json.loads}
+    read = readers.get(path.suffix.lower())
     if read is None:
         return {}
     content: Any = None
