@@ -200,7 +200,8 @@ def _find_changed(place, listed, patterns):
         if not file_list.matches(name, [out_folder.CHECKPOINTS]):
             wrong.append(name)
     if listed.digests:
-        for name in (*KINDS, HISTORIES, SCENE):
+        # scene.toml may be the user's own, which a run in its folder leaves as it is
+        for name in (*KINDS, HISTORIES):
             if (place / name).is_file() and name not in listed.digests:
                 wrong.append(name)
     return wrong
