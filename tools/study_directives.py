@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from docutils import nodes
 from docutils.parsers.rst import Directive, directives
-from study_pages import DATA, ROOT, draw, read, rows_of
+from study_pages import DATA, ROOT, draw, read, rows_of, shown
 
 FIGURES = ROOT / "docs" / "generated" / "studies"
 
@@ -31,7 +31,7 @@ class StudyTable(Directive):
         head += _row(columns)
         body += [_row(row) for row in rows]
         group += [head, body]
-        title = nodes.title(text=f"{len(rows)} of {count} rows of data/{name}.csv: {made}")
+        title = nodes.title(text=f"{len(rows)} of {count} rows of data/{name}.csv: {shown(made)}")
         return [nodes.table("", title, group, classes=["study"])]
 
 
@@ -54,7 +54,7 @@ class StudyFigure(Directive):
         path = FIGURES / f"{name}.png"
         path.parent.mkdir(parents=True, exist_ok=True)
         draw(name).savefig(path, dpi=100)
-        caption = f"{' '.join(self.content)} {read(name)[0]}.".strip()
+        caption = f"{' '.join(self.content)} {shown(read(name)[0])}.".strip()
         image = nodes.image(uri=f"/generated/studies/{name}.png", alt=caption)
         return [nodes.figure("", image, nodes.caption(text=caption))]
 

@@ -36,6 +36,11 @@ def read(name):
         return made, list(csv.DictReader(file))
 
 
+def shown(made):
+    """Return what a caption says of the first line of a file: command, commit, date and processor."""
+    return made.partition(";")[0]
+
+
 def rows_of(name, columns="", where=""):
     """Select rows of a study: (how it was made, number of rows of the file, columns, the rows that
     are shown).

@@ -78,11 +78,6 @@ def read(made: str) -> dict[str, str]:
     return found.groupdict()
 
 
-def shown(made: str) -> str:
-    """Return what a caption says of a first line."""
-    return made.partition(";")[0]
-
-
 def digest(inputs: object) -> str:
     """Digest what decides the numbers of a file."""
     return run_cache.inputs_digest(inputs)[:DIGITS]

@@ -31,8 +31,9 @@ SAME = "same"
 KNOWN = "known"
 MOVED = "MOVED"
 AGAIN = "AGAIN"  # listed as moved, and the same
-INPUTS = "INPUTS"  # the study's file is not that of the CSV
-WRONG = (MOVED, AGAIN, INPUTS)
+NO_ROW = "no row"
+WRONG = (MOVED, AGAIN)
+INPUTS = "inputs"  # in place of a column: the study's file is not that of the CSV
 NOTES = {
     "names": "of studies; all by default",
     "within": "seconds of CPU time: the cheapest studies that take no more in all",
@@ -62,24 +63,21 @@ def main(names: Sequence[str] = (), *, within: float = 0.0, known: str = "") -> 
     cheap, dear = in_order(chosen, within)
     listed = read()
     verdicts = []
-    for this in cheap:
+    without = [this for this in chosen if golden.table(this).none]
+    for this in [*cheap, *without]:
         made, records = study.read(DATA / f"{this.name}.csv")
         outcome = again.compare(this, records)
+        outcome.moves.extend(changed_inputs(this, made))
         if known:
             listed = relisted(this, outcome.moves, listed, known)
-        verdicts.append(judge(this, made, outcome, listed))
+        verdicts.append(judge(this, outcome, listed))
         tell(verdicts[-1])
     if known:
         write(listed)
-    for this in chosen:
-        reason = golden.table(this).none
-        if reason:
-            print(f"          no row  {this.name}: {reason}")
     counts = Counter(verdict.state for verdict in verdicts)
     told = ", ".join(f"{count} {state}" for state, count in counts.items())
-    without = len(chosen) - len(cheap) - len(dear)
     seconds = sum(verdict.seconds for verdict in verdicts)
-    print(f"{told}; {without} have no row, {len(dear)} not computed; {seconds:.0f} CPU s")
+    print(f"{told}, {len(dear)} not computed; {seconds:.0f} CPU s")
     return int(any(verdict.state in WRONG for verdict in verdicts))
 
 
@@ -102,33 +100,39 @@ def in_order(chosen: Sequence[Study], within: float) -> tuple[list[Study], list[
     return ordered, []
 
 
-def judge(this: Study, made: str, outcome: Outcome, listed: Sequence[Listed]) -> Verdict:
-    """Judge a study by what its golden rows come to, the first line of its CSV, and the list."""
+def changed_inputs(this: Study, made: str) -> list[Cell]:
+    """Compare the file of a study with the digest in the first line of its CSV: a cell if it is another one."""
+    kept = origin.read(made).get("inputs", origin.UNKNOWN)
+    now = origin.inputs_of(this)
+    if kept in (origin.UNKNOWN, now):
+        return []
+    return [Cell("", INPUTS, kept, now)]
+
+
+def judge(this: Study, outcome: Outcome, listed: Sequence[Listed]) -> Verdict:
+    """Judge a study by what has moved, and by the list."""
     entries = [entry for entry in listed if entry["study"] == this.name]
+    rules = golden.table(this)
     lines = []
-    unknown = 0
+    state = SAME
+    if rules.none:
+        state = NO_ROW
+        lines.append(rules.none)
+    known = 0
     for move in outcome.moves:
-        entry = find(move, entries, golden.table(this))
+        entry = find(move, entries, rules)
         line = f"{move.row}: {move.column}: {move.kept} -> {study.text(move.now)}"
-        if entry is None:
-            unknown += 1
-        else:
+        if entry is not None:
+            known += 1
             line += f" (since {entry['since']}: {entry['reason']})"
         lines.append(line)
-    state = SAME
     if outcome.moves:
         state = KNOWN
-    if len(entries) > len(outcome.moves) - unknown:
+    if len(entries) > known:
         state = AGAIN
-        lines.append("validation/moved.csv lists more than has moved: take it off")
-    if unknown:
+        lines.append("validation/moved.csv lists what has not moved so: take it off, by --known")
+    if len(outcome.moves) > known:
         state = MOVED
-    inputs = origin.read(made).get("inputs", origin.UNKNOWN)
-    if inputs not in (origin.UNKNOWN, origin.inputs_of(this)):
-        state = INPUTS
-        lines.append(
-            f"validation/studies/{this.name}.toml is not the one of the CSV: compute it again"
-        )
     return Verdict(this.name, state, outcome.seconds, lines)
 
 
@@ -136,11 +140,16 @@ def find(move: Cell, entries: Sequence[Listed], of_study: Golden) -> Listed | No
     """Find the entry of the list that has a move, with the values that it has today."""
     for entry in entries:
         place = (entry["row"], entry["column"], entry["kept"])
-        if place == (move.row, move.column, move.kept) and again.agrees(
-            entry["now"], move, of_study
-        ):
+        if place == (move.row, move.column, move.kept) and holds(entry["now"], move, of_study):
             return entry
     return None
+
+
+def holds(listed: str, move: Cell, of_study: Golden) -> bool:
+    """Say whether a listed value is that of today; a digest is no number."""
+    if move.column == INPUTS:
+        return listed == move.now
+    return again.agrees(listed, move, of_study)
 
 
 def relisted(

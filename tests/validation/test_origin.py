@@ -1,0 +1,53 @@
+"""The first line of a CSV: what made it, for each file of the documentation."""
+
+import pytest
+
+from fabrics.base.errors import InputError
+from validation import origin, runner, study
+
+FILES = sorted(study.DATA.rglob("*.csv"))
+# files that are older say "unknown" of what nobody wrote down
+RULE = "2026-11-28 22:00 UTC"
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(study.DATA)))
+def test_every_file_says_what_made_it_or_that_it_is_history(path):
+    with open(path, encoding="utf-8") as file:
+        first = file.readline()
+    assert first.startswith("# ")
+    made = first[2:].strip()
+    if made.startswith(origin.HISTORY):
+        return
+    parts = origin.read(made)
+    assert parts, made
+    if parts["date"] > RULE:
+        assert origin.UNKNOWN not in made
+        assert "changes" not in parts["commit"]
+
+
+def test_pages_say_which_data_are_history():
+    docs = study.DATA.parents[1]
+    quoting = [page for page in docs.rglob("*.md") if "data/kept/" in page.read_text("utf-8")]
+    assert quoting
+    for page in quoting:
+        assert "history, not repeated" in page.read_text("utf-8"), page
+    history = study.DATA / "kept"
+    assert all(study.read(path)[0].startswith(origin.HISTORY) for path in history.glob("*.csv"))
+
+
+def test_a_line_is_read_as_it_was_written(monkeypatch):
+    monkeypatch.setattr(origin, "commit", lambda: "0123456789ab")
+    made = origin.write("study edges", "ba9876543210", "45.2", [3, 12])
+    parts = origin.read(made)
+    assert parts["command"] == "python -m validation study edges"
+    assert parts["commit"] == "0123456789ab"
+    assert (parts["inputs"], parts["cpu_s"], parts["golden"]) == ("ba9876543210", "45.2", "3, 12")
+    assert parts["numba"][0].isdigit()
+    assert origin.read("by hand") == {}
+
+
+def test_data_of_the_documentation_take_committed_code_alone(monkeypatch, tmp_path):
+    monkeypatch.setattr(origin, "changes", lambda: ["validation/studies/new.toml"])
+    with pytest.raises(InputError, match=r"validation/studies/new\.toml is not as committed"):
+        runner.main(["pull-out-load"])
+    origin.refuse_changes(tmp_path)
