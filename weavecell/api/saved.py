@@ -84,7 +84,7 @@ class SavedResult(Result):
     >>> quick = {"scan": False, "residual_shots": 0, "opening": "50 mm", "tolerance": "20 m/s"}
     >>> _ = wc.critical_velocity("S-720", out="limit", **quick)
     >>> list(wc.load("limit").to_dataframe())[:2]
-    ['strike velocity [m/s]', 'outcome']
+    ['strike_velocity_m_s', 'residual_velocity_m_s']
     """
 
     folder: Path
@@ -113,6 +113,13 @@ class SavedResult(Result):
         return {key: value for key, value in self.content.items() if plain(value)}
 
     def _columns(self):
+        from weavecell.results import one_table
+
+        # as the live result has them, where a table of keys.toml says what its file holds
+        table = Path(self.name).stem.replace("-", "_")
+        rows = one_table.find_list(table)
+        if rows is not None and isinstance(self.content.get(rows), list):
+            return one_table.columns_of_records(self.content[rows], table, rows)
         if self.main in self.tables:
             return self.tables[self.main]
         return {key: [value] for key, value in self.summary().items()}

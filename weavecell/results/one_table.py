@@ -52,6 +52,24 @@ def records(items: Sequence[object], table: str, name: str) -> list[dict[str, An
     return [{key.name: key.value(item) for key in listed} for item in items]
 
 
+def columns_of_records(
+    written: Sequence[Mapping[str, Any]], table: str, name: str
+) -> dict[str, list[Any]]:
+    """Return the `columns` of a list that a JSON file has as `records`."""
+    found: dict[str, list[Any]] = {}
+    for key in _keys_of_list(table, name):
+        for column, part in _split(key):
+            values = [record.get(key.name) for record in written]
+            found[column] = values if part is None else [value[part] for value in values]
+    return found
+
+
+def find_list(table: str) -> str | None:
+    """Find the list of a table whose items are the rows of the result's table; None without one."""
+    rows = keys.TABLES.get(table, ())
+    return next((key.name.partition(".")[0] for key in rows if "." in key.name and key.path), None)
+
+
 def csv(found: Mapping[str, Sequence[Any]], table: str, name: str, wanted: Sequence[str]) -> str:
     """Write the `wanted` of some `columns` as CSV, headings with their SI units."""
     from pandas import DataFrame

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas.testing
 import pytest
 
 import weavecell as wc
@@ -72,6 +73,19 @@ def test_any_other_folder_has_numbers_and_tables(tmp_path, name):
     else:
         with pytest.raises(InputError, match="must be shots, or results with strike"):
             wc.overlay(found)
+
+
+def test_a_loaded_search_has_the_table_of_the_live_one(tmp_path):
+    """Names, values to the last digit, and one line a column."""
+    quick = {"scan": False, "residual_shots": 1, "opening": "50 mm", "tolerance": "25 m/s"}
+    limit = wc.critical_velocity("S-720", out=tmp_path / "limit", **quick)
+    live = limit.to_dataframe()
+    assert {"outcome", "peak_tension_warp_N", "peak_tension_weft_N"} <= set(live)
+    assert not any("\n" in name for name in live)
+    pandas.testing.assert_frame_equal(wc.load(tmp_path / "limit").to_dataframe(), live)
+    pandas.testing.assert_frame_equal(
+        wc.load(tmp_path / "limit")._labelled_columns(), limit._labelled_columns()
+    )
 
 
 def test_what_is_no_folder_of_results_is_refused(tmp_path):
