@@ -158,6 +158,25 @@ def test_uniform_stretch_is_one_cell(table):
         assert energy == pytest.approx(len(coupon.quads) / m**2 * W, rel=1e-3)
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+def test_an_element_lies_in_the_outline_with_all_its_corners(table, angle):
+    """Of all elements of the grid those, and no others: a slanted outline cuts through some."""
+    side = 2 * table.model.fabric.weave.w1
+
+    def triangle(x, y):
+        return (x > -0.0051) & (y > -0.0043) & (0.8 * x + y < 0.0037)
+
+    coupon = mesh_coupon(table, triangle, 0.0071, angle=angle)
+    corners = coupon.points[coupon.quads]
+    assert triangle(*np.moveaxis(corners, -1, 0)).all()
+    grid = side * np.arange(-20, 21)
+    X, Y = np.meshgrid(grid, grid, indexing="ij")
+    x, y = np.cos(angle) * X - np.sin(angle) * Y, np.sin(angle) * X + np.cos(angle) * Y
+    within = triangle(x, y)
+    whole = within[:-1, :-1] & within[1:, :-1] & within[:-1, 1:] & within[1:, 1:]
+    assert len(coupon.quads) == whole.sum()
+
+
 def test_angles_beyond_a_right_angle(table):
     """Yarns that have passed one another are seen as such."""
     coupon = mesh_coupon(table, lambda x, y: np.maximum(abs(x), abs(y)) < 0.003, 0.003)

@@ -6,8 +6,11 @@ from conftest_tools import grid
 from numpy.testing import assert_allclose, assert_array_equal
 from panels import make_panel
 
+from shellfabric.cell.model import CellModel
+from shellfabric.membrane import criterion_kernels
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
+from tests import unlike
 
 SYMMETRIES = ("quarter", "half", "whole")
 
@@ -69,6 +72,21 @@ def test_strength_of_each_yarn():
         assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
         assert half == 0.5 * lines.strength.min()
     assert np.isposinf(make_panel(yarn_failure=False).constants().warp_lines.strength).all()
+
+
+def test_each_family_has_the_rates_of_its_own_strain_at_failure():
+    """Loaded at 300 / s each is damaged to 1 at 1.15 of its strength, the weft after a larger strain than the warp."""
+    table = CellModel(unlike.fabric()).table(21)
+    law = make_panel(table=table, rate_dependence=True).constants().rate_law
+    loads = np.linspace(0.95, 1.15, 4001)
+    step = loads[1] - loads[0]
+    for family, strain in enumerate((0.03, 0.0393)):
+        kept = np.array([0.0, 0.0, 7.0])
+        for load in 0.5 * (loads[1:] + loads[:-1]):
+            kept[1] = criterion_kernels.damage.py_func(
+                law, family, step * strain / 300, kept, 1, load
+            )
+        assert kept[1] == pytest.approx(1, rel=0.01)
 
 
 @pytest.mark.parametrize("contact_points", [2, 3, 4])

@@ -1,6 +1,7 @@
 """Quality indicators, and the energy guard between audits."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -116,6 +117,31 @@ def test_the_fine_mesh_holds_the_path_of_an_oblique_projectile(lean):
     (path,) = (one.value for one in shot.checks if one.name == "path over fine mesh")
     assert shot.outcome == "perforated"
     assert 0.5 < path < 1
+
+
+def test_viscosity_is_split_at_the_last_sample_before_a_failure_is_seen():
+    """By hand: yarns are cut from the fourth sample on; without a cut the end counts."""
+    energies = {
+        "viscous": np.array([0.0, 0.3, 0.7, 1.6, 2.9]),
+        "kinetic_projectile": np.array([50.0, 47.0, 43.0, 36.0, 31.0]),
+    }
+    found = quality.split_viscous(np.array([0.0, 0.0, 0.0, 2.0, 5.0]), energies)
+    assert found == pytest.approx((0.7 / 7.0, 2.9 - 0.7))
+    assert quality.split_viscous(np.zeros(5), energies) == pytest.approx((2.9 / 19.0, 0.0))
+
+
+def test_the_path_of_a_pack_is_that_of_the_ply_that_is_left_furthest():
+    """A ply without a fine mesh has none, nor has one whose contact does not follow the projectile."""
+
+    def ply(share, sides=(1.0,), follows=True):
+        panel = SimpleNamespace(sides=sides, share_of_first_zone=lambda nose: share * nose[0])
+        state = SimpleNamespace(projectile_position=np.array([2.0, 0.0, 0.0]))
+        return panel, SimpleNamespace(window_follows=follows), state
+
+    plies = [ply(0.31), ply(0.46), ply(0.22), ply(0.9, sides=None), ply(0.8, follows=False)]
+    (found,) = quality._path(SimpleNamespace(plies=plies))
+    assert found.value == pytest.approx(0.92)
+    assert quality._path(SimpleNamespace(plies=plies[3:])) == []
 
 
 def test_the_default_mesh_is_fine_enough_for_a_narrow_projectile():

@@ -424,3 +424,14 @@ def test_what_a_plane_of_symmetry_holds_follows_from_its_normal(to, symmetry):
     else:
         cards = lines_below(content, "/BCS", "#")
         assert [card["Tra_rot"] for card in cards] == [*wanted, f"{of_nose} 111"]
+
+
+def test_a_deck_is_matched_to_what_was_asked_for(tmp_path):
+    """Nearest in uniaxial tension, or over the plane."""
+    shot = wc.setup("S-728", "150 m/s", opening="20 mm", elements_per_crossover=1)
+    plane, uniaxial = (
+        wc.export(shot, "radioss", tmp_path / match, match=match).summary()
+        for match in ("plane", "uniaxial")
+    )
+    assert plane["rms"] < 0.9 * uniaxial["rms"]
+    assert uniaxial["uniaxial"] < 0.2 * plane["uniaxial"]

@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from meshing import patch
+from tests import unlike
 from tests.meshing.hexahedra import vector_areas, volumes
 from tests.weavecell.decks.deck_readers import blocks, columns
 from weavecell.decks import mesh_deck, mesh_files
@@ -161,6 +162,7 @@ def test_dyna_is_read_back(mesh, tmp_path):
     ):
         expected = [number, material.solid_density, material.axial, *[material.transverse] * 2]
         assert columns(lines[1], [10] * 8)[:5] == pytest.approx(expected, rel=1e-4)
+        assert columns(lines[2], [10] * 4)[:3] == pytest.approx([material.shear] * 3, rel=1e-4)
         # AOPT 0: axes of the element
         assert lines[0] == name
         assert columns(lines[2], [10] * 4)[3] == 0
@@ -311,6 +313,21 @@ def test_radioss_is_read_back(mesh, tmp_path):
         ]
         assert [*density, *moduli, *shear] == pytest.approx(expected, rel=1e-12)
         assert len(laws[number]) == 11
+
+
+def test_materials_at_rest_are_those_of_their_own_family():
+    """By hand from the numbers of an unlike warp and weft: eqs. 3-2 and 3-10, half of the mass in the bars."""
+    fabric = unlike.fabric()
+    fibre = [yarn.fibre_density for yarn in fabric.weave.yarns]
+    warp, weft = linearise(fabric, (0.72, 0.61))
+    assert (warp.fibre, weft.fibre) == pytest.approx((96e9, 79.68e9))
+    assert (warp.axial, weft.axial) == pytest.approx((0.72e6, 0.61e6))
+    assert (warp.transverse, weft.transverse) == pytest.approx((1.8e9, 1.24e9))
+    assert (warp.shear, weft.shear) == pytest.approx((0.7e9, 0.43e9))
+    assert (warp.packed, weft.packed) == pytest.approx((2e9, 2e9))
+    assert (warp.failure_strain, weft.failure_strain) == pytest.approx((0.03, 0.0393))
+    assert warp.bar_density == pytest.approx(0.5 * fibre[0])
+    assert weft.solid_density == pytest.approx(0.5 * 0.61 * fibre[1])
 
 
 def test_bars_and_solids_together_have_the_mass_of_the_yarns():

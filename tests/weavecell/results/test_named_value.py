@@ -17,6 +17,7 @@ def test_a_length_is_shown_in_mm_and_kept_in_m():
     assert a.line() == "a = 0.0447 mm"
     assert a.text() == "0.0447 mm"
     assert a.heading == "a [mm]"
+    assert a.unit_shown == "mm"
     assert a.cell() == "0.0447"
     assert a.entries() == {"a_m": 4.47e-5}
 

@@ -7,16 +7,17 @@ import pytest
 from scipy.integrate import trapezoid
 
 import weavecell as wc
-from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.loop import ply_audit, snapshots
 from shellfabric.loop.pack_solver import PackSolver
+from tests import unlike
 from tests.shellfabric.panels import make_panel
 from weavecell.report.shot import chapters_shot
 from weavecell.studies.biaxial_path import to_strength
 from weavecell.studies.energy_map import map_energy
 
-FABRIC = catalogue.load("S-731").with_effective_density()
+# warp and weft have no number in common
+FABRIC = unlike.fabric()
 
 
 def test_the_energy_is_the_work_of_the_forces_over_the_area():
@@ -24,7 +25,8 @@ def test_the_energy_is_the_work_of_the_forces_over_the_area():
     model = CellModel(FABRIC)
     found = map_energy(model)
     i, j = 60, 40
-    w1, w2 = FABRIC.weave.w
+    w1, w2 = 0.5 / FABRIC.weave.weft_count, 0.5 / FABRIC.weave.warp_count
+    assert abs(w1 / w2 - 1) > 0.1
     warp = np.linspace(1, 1 + found.strain_warp[i], 400)
     weft = np.linspace(1, 1 + found.strain_weft[j], 400)
     first = trapezoid(model.solve(warp, 1.0)["N1"], 2 * w1 * warp)

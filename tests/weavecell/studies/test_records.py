@@ -60,6 +60,9 @@ def test_the_rig_is_taken_off_at_each_load(tmp_path):
     read = CompressionRecord.read(tmp_path / "one.csv")
     assert len(read.load) == len(ply.load)
     assert read.without(bare).closed == pytest.approx(ply.closed, abs=2e-10)
+    mixed = np.random.default_rng(4).permutation(len(at))  # a rig that was loaded more than once
+    unsorted = CompressionRecord(at[mixed], rig(at[mixed]), "rig")
+    assert read.without(unsorted).closed == pytest.approx(ply.closed, abs=2e-10)
     short = CompressionRecord(at[at < 3000], rig(at[at < 3000]), "rig")
     with pytest.raises(InputError, match="force = '12 to 7000 N': must be within those of the rig"):
         read.without(short)
