@@ -19,9 +19,10 @@ QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
-test: setup lint  ## everything but the long validation runs
+test: setup  ## everything but the long validation runs, then the style
 	$(QUICK) $(WITH_SOLID)
 	$(QUICK) tests $(WITH_SOLID:%=--ignore=%)
+	$(MAKE) lint
 
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"

@@ -22,6 +22,7 @@ def equibiaxial(calibrated):
     return calibrated.found.histories["equibiaxial"]
 
 
+@pytest.mark.slow(30)
 def test_quarter_equals_whole(s720, tiny, whole):
     ends = [
         biaxial_and_platens.biaxial(mesh, s720, (1, 1), max_displacement=8e-6)

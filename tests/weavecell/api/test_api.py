@@ -414,6 +414,7 @@ def test_coupons_as_tables_and_figures(tmp_path):
     assert "load" in strip.plot().axes[0].get_ylabel()
 
 
+@pytest.mark.slow(25)
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     """Of a set-up and of keywords the same; without scatter of the yarns V50 is near the limit."""

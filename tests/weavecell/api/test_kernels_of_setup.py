@@ -78,6 +78,7 @@ for name, run in first.items():
 """
 
 
+@pytest.mark.slow(24)
 def test_no_first_run_compiles_what_setup_has_not():
     pytest.importorskip("gmsh")
     done = subprocess.run(

@@ -19,6 +19,7 @@ def scene(tmp_path):
     return path
 
 
+@pytest.mark.slow(16)
 def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere_and_resumed(
     command, succeed, scene, interrupted, drawn_once, tmp_path
 ):

@@ -137,6 +137,7 @@ def test_resume_adds_values_without_computing_a_shot_again(succeed, results, tmp
     assert len(rows_of(folder, "sweep.csv")) == 6
 
 
+@pytest.mark.slow(12)
 def test_the_limit_and_v50_against_the_number_of_plies(succeed, drawn_once, tmp_path):
     """Against areal density; two plies stop more than one, and V50 of eight shots is near the limit."""
     (tmp_path / "scene.toml").write_text(toml(SCENES["plies"]))

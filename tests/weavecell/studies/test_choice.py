@@ -146,6 +146,7 @@ def test_the_files_of_a_limit_say_which_yarns_it_has_and_why(parted):
     assert limit.chosen in unescape((out / "report.html").read_text("utf-8"))
 
 
+@pytest.mark.slow(18)
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
 def test_a_v50_is_of_resolved_yarns_where_they_part(tmp_path):
     given = SPHERE | {"crossover_friction": 0.05}

@@ -277,6 +277,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
     assert np.median(spared) > 0
 
 
+@pytest.mark.slow(10)
 def test_without_scatter_it_is_the_deterministic_limit(fabric, tmp_path):
     """On a panel with one limit: 30.6 mm has stops above perforations without any scatter, and so no sharp one."""
     found = v50.study(setup_of(fabric, 0.08), v50.Scatter(), shots=16, batch=8, folder=tmp_path)
