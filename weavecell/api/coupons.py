@@ -345,6 +345,7 @@ class CouponResult(Result):
         for name, (unit, values) in self._collect_measures().items():
             value = display.text(values[-1], unit)
             lines.append(f"{name:<34}{value}{self._flag(name)}")
+        lines += self._list_unloaded()
         share = facts["yarn_stiffness_share"]
         if share < 1:
             work = 100 * facts["softened_work_share"]
@@ -357,6 +358,17 @@ class CouponResult(Result):
             f"most, {facts['wall_time_s']:.1f} s"
         )
         return lines
+
+    def _list_unloaded(self):
+        """The line that says in which load steps the yarns are slack; none where in none."""
+        slack = self.solved.unloaded
+        if not slack.any():
+            return []
+        steps = ", ".join(map(str, 1 + np.flatnonzero(slack)))
+        return [
+            f"unloaded in {slack.sum()} of {slack.size} load steps ({steps}): the yarns are slack, and what is measured "
+            "there is noise"
+        ]
 
     def _flag(self, name):
         """What stands beside a number that was computed."""
@@ -375,20 +387,25 @@ class CouponResult(Result):
 
     def table(self) -> DataFrame:
         """Return all load steps, in the units of the report, with residual (out-of-balance force
-        over the reaction)."""
+        over the reaction), and "unloaded" where the yarns are slack."""
         states = self.solved.states
         return display.frame(self._collect_measures()).assign(
             residual=[f"{state.residual:.1e}" for state in states],
             iterations=[state.iterations for state in states],
+            state=np.where(self.solved.unloaded, "unloaded", ""),
         )
 
     def _notebook_table(self):
         return self.table()
 
     def _collect_measures(self):
-        """{column: (unit, values)}."""
+        """{column: (unit, values)} of what is measured."""
         columns = self.record.columns
-        return {name: (keys.COUPON_MEASURES[name].unit, columns[name]) for name in columns}
+        return {
+            name: (keys.COUPON_MEASURES[name].unit, values)
+            for name, values in columns.items()
+            if name != coupon_results.UNLOADED
+        }
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """Return {file: (caption, function that draws it, its arguments beside pyplot)}."""
@@ -403,6 +420,8 @@ class CouponResult(Result):
         }
         for name, beginnings, label, caption in pictures_coupon.CURVES[record.facts["test"]]:
             drawn = [measure for measure in record.columns if measure.startswith(beginnings)]
+            if self.solved.unloaded.any():
+                caption += " Hollow points: unloaded, the yarns are slack and the values noise."
             figures[name] = caption, pictures_coupon.curves, (record, drawn, label)
         caption = (
             "Dynamic relaxation: out-of-balance force on the free nodes over the reaction; "

@@ -18,6 +18,7 @@ from weavecell.report.pictures_style import (
     legend_beside,
     tension_map,
 )
+from weavecell.results.coupon import UNLOADED
 from weavecell.results.display import choose_unit
 from weavecell.results.keys import COUPON_MEASURES
 
@@ -149,13 +150,15 @@ def _zones(axes, solved):
 
 def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any:
     """Draw columns of one unit against what was prescribed; closed forms (cell, trellis law, zone C
-    of yarns that do not stretch) are dashed. The label of the axis is without its unit."""
+    of yarns that do not stretch) are dashed, points of unloaded steps hollow. The label of the axis
+    is without its unit."""
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
     prescribed = record.facts["prescribed_name"]
     unit, factor = choose_unit(COUPON_MEASURES[names[0]].unit)
     across_unit, across = choose_unit(COUPON_MEASURES[prescribed].unit)
     computed = " ".join(name for name in names if not name.startswith(_KNOWN))
     colours = iter((WARP, WEFT) if "warp" in computed and "weft" in computed else COLOURS)
+    slack = record[UNLOADED] == 1
     for name in names:
         known = name.startswith(_KNOWN)
         if known:
@@ -167,11 +170,23 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
         axes.plot(
             across * record[prescribed], factor * record[name], color=colour, label=name, **looks
         )
+        if slack.any() and not known:
+            axes.plot(
+                across * record[prescribed][slack],
+                factor * record[name][slack],
+                ls="",
+                marker="o",
+                ms=5.5,
+                mfc="white",
+                mec=colour,
+                zorder=4,
+                label=f"{name}, unloaded",
+            )
     axes.set(xlabel=f"{prescribed} [{across_unit}]", ylabel=f"{label} [{unit}]")
     axes.set_xlim(left=0)
     if unit != "°" and all(record[name].min() >= 0 for name in names):
         axes.set_ylim(bottom=0)
-    if len(names) > 1:
+    if len(names) > 1 or slack.any():
         legend_beside(axes)
     return figure
 

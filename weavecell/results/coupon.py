@@ -42,6 +42,8 @@ PRESCRIBED = {
     "uniaxial": "strain of the strip",
     "biaxial": "strain of the cross",
 }
+# column that is 1 in steps of slack yarns
+UNLOADED = "unloaded"
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
@@ -66,6 +68,7 @@ def record(inputs: Any, solved: Result, **facts: Any) -> Record:
     }[test]
     prescribed = PRESCRIBED[test]
     measures = {prescribed: solved.prescribed} | measure(inputs, solved)
+    measures[UNLOADED] = solved.unloaded.astype(int)
     facts |= {
         "prescribed_name": prescribed,
         "prescribed_unit": COUPON_MEASURES[prescribed].si_unit,

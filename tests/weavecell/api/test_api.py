@@ -12,6 +12,7 @@ from typing import ClassVar
 import h5py
 import numpy as np
 import pytest
+from matplotlib import pyplot
 from numpy.testing import assert_array_equal
 
 import weavecell as wc
@@ -412,6 +413,27 @@ def test_coupons_as_tables_and_figures(tmp_path):
     assert strip.to_dataframe()["load_of_a_yarn_N"].iloc[-1] > 0
     assert strip.to_vtk(tmp_path) == tmp_path / "coupon.pvd"
     assert "load" in strip.plot().axes[0].get_ylabel()
+
+
+def test_steps_of_slack_yarns_are_marked_wherever_a_coupon_is_shown():
+    size = {"length": "16 mm", "width": "7 mm", "strain": "3.3 %"}
+    strip = wc.coupon("S-720", "uniaxial", direction="warp", steps=3, **size)
+    reactions = [state.history[-1, 1] for state in strip.solved.states]
+    floor = strip.solved.force_floor
+    assert reactions[0] < 3 * floor < 30 * floor < reactions[1]
+    assert list(strip.to_dataframe()["unloaded"]) == [1, 0, 0]
+    assert list(strip.table()["state"]) == ["unloaded", "", ""]
+    assert "unloaded in 1 of 3 load steps (1): the yarns are slack" in str(strip)
+    assert "unloaded" not in strip.table()
+    for name in ("load", "strains"):
+        caption, draw, arguments = strip.figures()[name]
+        assert "Hollow points: unloaded" in caption
+        (axes,) = draw(pyplot, *arguments).axes
+        hollow = [line for line in axes.lines if line.get_label().endswith(", unloaded")]
+        assert len(hollow) == len(arguments[1])
+        for line in hollow:
+            assert line.get_xdata() == pytest.approx([1.1])
+            assert line.get_markerfacecolor() == "white"
 
 
 @pytest.mark.slow(25)

@@ -704,8 +704,11 @@ def curves(pyplot):
         {"prescribed_name": across},
         **{across: rising(4, 1e-3)},
         **{name: numbers(4) for name in names},
+        unloaded=np.array([0, 1, 1, 0]),
     )
     wanted = {name: xy(100 * record[across], record[name]) for name in names}
+    for name in names[:2]:
+        wanted[f"{name}, unloaded"] = xy(100 * record[across], record[name])[1:3]
     place = "", f"{across} [%]", "load of a yarn [N]"
     return pictures_coupon.curves(pyplot, record, names, "load of a yarn"), {place: wanted}
 
