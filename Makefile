@@ -14,7 +14,7 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,installed unitcell3d meshing weavecell refusals)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again setup clean
+.PHONY: demo test test-slow test-processor test-generic nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
@@ -27,11 +27,25 @@ test: setup  ## everything but the long validation runs, then the style
 test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"
 
+# tests that hold computed numbers, and of `fabrics.base.sums`: they run once more as on other processors
+NUMBERS = $(addprefix tests/,test_golden.py test_processor_places.py fabrics/test_sums.py fabrics/test_laws.py \
+	validation/claims validation/models shellfabric/cell shellfabric/block shellfabric/projectile weavecell/limits weavecell/studies)
+# BLAS of a processor without AVX2, and numpy's loops without it: nothing is compiled
+OTHER = OPENBLAS_CORETYPE=Sandybridge NPY_DISABLE_CPU_FEATURES="AVX2 FMA3"
+# kernels for any x86-64 processor, in a cache of their own
+GENERIC = NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES="" NUMBA_CACHE_DIR=$(CURDIR)/$(RESULTS)/generic-kernels
+
+test-processor: setup  ## what holds numbers, once more with BLAS and numpy's loops of another processor
+	$(OTHER) $(QUICK) $(NUMBERS)
+
+test-generic: setup  ## the same with kernels compiled for any processor: minutes of compiling
+	$(GENERIC) $(OTHER) $(QUICK) $(NUMBERS)
+
 printed: setup  ## every command that the guide prints, run as a reader would: twenty minutes of one core
 	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
 
 nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
-	$(MAKE) --keep-going --jobs 1 fuzz ledger stale printed docs-again package convergence mutants
+	$(MAKE) --keep-going --jobs 1 test-generic fuzz ledger stale printed docs-again package convergence mutants
 
 mutants: setup  ## planted defects, each with the tests nearest to it: more than an hour; fails where fewer than 95 % are found
 	nice $(RUN:-m=) tools/mutants.py --out $(RESULTS)/mutants.csv --least 0.95

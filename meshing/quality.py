@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 
 # For each corner of a VTK hexahedron its three neighbours, in right-handed order.
@@ -40,4 +41,4 @@ def scaled_jacobian(points: ArrayLike, hexes: ArrayLike) -> FloatArray:
     edges = corner_edges(points, hexes)
     length = np.linalg.norm(edges, axis=-1, keepdims=True)
     unit = np.divide(edges, length, out=np.zeros_like(edges), where=length > 0)
-    return np.linalg.det(unit).min(axis=1)
+    return sums.determinant(unit).min(axis=1)

@@ -9,8 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.numbers
-
 # ten seconds of one core in all
 CHEAP = (
     "impact-S-720-stops",

@@ -2,8 +2,8 @@
 
     python tools/processor_places.py     print each place: file, function, calls
 
-docs/developers/processors.md says of each place what it decides, and why that does no harm; tests/test_processor_places.py
-compares the two. What needs no such line is made through `fabrics.base.sums`.
+docs/developers/processors.md says of each place what it decides, and why that does no harm;
+tests/test_processor_places.py compares the two. What needs no such line is made through `fabrics.base.sums`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,17 @@ FOLDERS = ("fabrics", "meshing", "shellfabric", "unitcell3d", "weavecell/studies
 OWN = "fabrics/base/sums.py"
 # of numpy; the methods of arrays too
 PRODUCTS = {"dot", "vdot", "inner", "matmul", "tensordot", "polyfit"}
-LIBRARIES = ("scipy.linalg", "scipy.sparse.linalg", "scipy.optimize", "scipy.interpolate", "scipy.stats")
-# names of these libraries that add up in code of their own; and those that are no calls
-ALIKE = {"brentq", "PchipInterpolator", "LinearOperator"}
+LIBRARIES = ("scipy.linalg", "scipy.sparse.linalg", "scipy.optimize", "scipy.interpolate")
+# names of these libraries that have loops of their own
+ALIKE = {
+    "brentq",
+    "bisect",
+    "minimize_scalar",
+    "BSpline",
+    "PchipInterpolator",
+    "RectBivariateSpline",
+    "RegularGridInterpolator",
+}
 
 
 def call_of(node: ast.AST) -> str | None:
@@ -32,7 +40,7 @@ def call_of(node: ast.AST) -> str | None:
             # along an axis it is a sum of numpy's own
             along = any(keyword.arg == "axis" for keyword in node.keywords)
             return None if name == "norm" and along else f"linalg.{name}"
-        if name in PRODUCTS and owner != "ufl":
+        if name in PRODUCTS and owner not in ("ufl", "sums"):
             return name
         if name == "einsum" and any(keyword.arg == "optimize" for keyword in node.keywords):
             return name
@@ -43,9 +51,13 @@ def library_names(tree: ast.AST) -> set[str]:
     """Return the names that a file imports from the libraries."""
     found = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(LIBRARIES):
-            found |= {alias.asname or alias.name for alias in node.names}
-    return found - ALIKE
+        if not isinstance(node, ast.ImportFrom):
+            continue
+        for alias in node.names:
+            whole = f"{node.module}.{alias.name}"
+            if whole.startswith(LIBRARIES) and alias.name not in ALIKE:
+                found.add(alias.asname or alias.name)
+    return found
 
 
 def places_of(text: str) -> dict[str, set[str]]:

@@ -33,7 +33,7 @@ def dot(first: FloatArray, second: FloatArray) -> float:
 
 
 def multiply(first: ArrayLike, second: ArrayLike) -> FloatArray:
-    """Multiply matrices or vectors as `first @ second`; for short sums.
+    """Multiply matrices or vectors as the operator @ does; for short sums.
 
     numpy's einsum adds in loops of its own, which are compiled for every processor alike.
     """

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 
@@ -52,7 +53,7 @@ class PullOutLaw:
         if forces.size < 2 or not np.ptp(forces) > 0:
             allowed = "at least two different contact forces for a fit"
             raise InputError(key="F_c", value=forces.tolist(), allowed=allowed)
-        slope, start = np.polyfit(forces, thresholds, 1)
+        slope, start = sums.fit_line(forces, thresholds)
         residuals = thresholds - start - slope * forces
         rms = np.sqrt(np.mean(residuals**2))
         return cls(float(start), max(float(slope), 0.0), float(rms))

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.backings import assumed_line
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
@@ -464,15 +465,12 @@ class Block:
         """(m,) [m] step of each brick times the speed of its waves; infinite of those that are
         gone."""
         f, g, h = np.moveaxis(
-            self.x[self.bricks].transpose(0, 2, 1) @ self.row.gradient, 1, 0
+            sums.multiply(self.x[self.bricks].transpose(0, 2, 1), self.row.gradient), 1, 0
         )  # rows of F
         cofactors = np.stack([np.cross(g, h), np.cross(h, f), np.cross(f, g)], axis=1)
         with np.errstate(all="ignore"):
-            gradient = (
-                cofactors
-                @ self.row.gradient.transpose(0, 2, 1)
-                / np.sum(f * cofactors[:, 0], axis=1)[:, None, None]
-            )
+            outer = sums.multiply(cofactors, self.row.gradient.transpose(0, 2, 1))
+            gradient = outer / np.sum(f * cofactors[:, 0], axis=1)[:, None, None]
             return np.where(self.gone, np.inf, 1 / np.sqrt(2 * np.sum(gradient**2, axis=(1, 2))))
 
     def energies(self) -> dict:
@@ -498,7 +496,7 @@ class Block:
     def momentum(self) -> float:
         """[N s] along z, of the modelled part: what it moves with, half a step back, and what its
         held and absorbing faces have taken. It is the impulse of all contacts so far."""
-        return float(self.mass @ self.v[:, 2] + self.row.outer_impulse.sum())
+        return sums.dot(self.mass, self.v[:, 2]) + float(self.row.outer_impulse.sum())
 
     @property
     def time(self) -> float:

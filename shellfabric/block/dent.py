@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from shellfabric.block.control_kernels import CORNER_NEIGHBOURS, CORNER_SIGNS
 
@@ -70,7 +71,7 @@ def motion_about(block: Block, radius: float) -> float:
     below = block.rest[:, 2] - block.backing.standoff
     near = (np.hypot(*block.rest[:, :2].T) <= reach) & (below <= reach)
     speed = np.sum(block.v[near] ** 2, axis=1)
-    return float(0.5 * block.mass[near] @ speed / taken)
+    return 0.5 * sums.dot(block.mass[near], speed) / taken
 
 
 def spike(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
@@ -109,8 +110,8 @@ def folding(block: Block) -> float:
     inside out and the brick folded, of which its mean deformation knows nothing."""
     x = block.x[block.bricks[~block.gone]]
     edges = x[:, CORNER_NEIGHBOURS] - x[:, :, None]  # bricks, corners, edges, axes
-    triple = np.prod(CORNER_SIGNS, axis=1) * np.linalg.det(edges)
-    mean = np.linalg.det(np.einsum("bac,bai->bci", x, block.row.gradient[~block.gone]))
+    triple = np.prod(CORNER_SIGNS, axis=1) * sums.determinant(edges)
+    mean = sums.determinant(np.einsum("bac,bai->bci", x, block.row.gradient[~block.gone]))
     at_rest = block.row.volume[~block.gone]
     shares = triple / (mean * at_rest)[:, None]
     return float(1.0 - shares.min(initial=1.0))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 
 CORNERS = np.array(
@@ -58,9 +59,11 @@ class Bricks:
         for point in CORNERS / np.sqrt(3):
             slopes = _slopes(point)
             jacobian = np.einsum("mac,ai->mci", corners, slopes)
-            measure = np.abs(np.linalg.det(jacobian))
+            measure = np.abs(sums.determinant(jacobian))
             volume = volume + measure
-            gradient = gradient + measure[:, None, None] * (slopes @ np.linalg.inv(jacobian))
+            gradient = gradient + measure[:, None, None] * (
+                sums.multiply(slopes, sums.invert(jacobian))
+            )
         gradient /= volume[:, None, None]
         middle = np.einsum("mac,ai->mci", corners, _slopes(np.zeros(3)))
         frame = _frame(middle[:, :, 0], middle[:, :, 1])
@@ -112,8 +115,10 @@ def at_points(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
         slopes = _slopes(point)
         jacobian = np.einsum("mac,ai->mci", corners, slopes)
         frame = _frame(jacobian[:, :, 0], jacobian[:, :, 1])
-        gradients.append(np.einsum("mac,mci->mai", slopes @ np.linalg.inv(jacobian), frame))
-        volumes.append(np.abs(np.linalg.det(jacobian)))
+        gradients.append(
+            np.einsum("mac,mci->mai", sums.multiply(slopes, sums.invert(jacobian)), frame)
+        )
+        volumes.append(np.abs(sums.determinant(jacobian)))
     return np.stack(gradients, axis=1), np.stack(volumes, axis=1)
 
 

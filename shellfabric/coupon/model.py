@@ -189,7 +189,12 @@ class Coupon:
             side = self.spacing[1 - family]
             away = middles - middles[0]
             places = np.rint(
-                np.stack([away @ along / self.spacing[family], away @ (-along[1], along[0]) / side])
+                np.stack(
+                    [
+                        sums.multiply(away, along) / self.spacing[family],
+                        sums.multiply(away, (-along[1], along[0])) / side,
+                    ]
+                )
             )
             reach = int(length / side) + 1
             first, weights = mean_weights(side * np.arange(2 * reach + 1), length, mirrored=False)

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray, positive, refuse
 from fabrics.base.errors import InputError
 from shellfabric.loop.cone import find_foot
@@ -228,7 +229,7 @@ def _edge_forces(state, sides, neighbours):
         nodal = [a[nodes] + b[nodes] for a, b in zip(state.f_int, state.f_int_above)]
         for others in neighbours:
             nodal = [total + force[nodes] for total, force in zip(nodal, others)]
-        f = [weights @ force for force in nodal]
+        f = [sums.dot(weights, force) for force in nodal]
         forces[number] = -normal[0] * f[0] - normal[1] * f[1], f[2]
     return forces
 

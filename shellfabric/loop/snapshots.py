@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from shellfabric.membrane import edges
 from shellfabric.membrane.slots import by_element, by_node
@@ -163,7 +164,9 @@ def deflection_profile(
     i, j = panel.nearest_lines
     warp = shot.nodes[:, j]
     weft = shot.nodes[i, :]
-    return (warp[:, :2] @ panel.axes[0], warp[:, 2]), (weft[:, :2] @ panel.axes[1], weft[:, 2])
+    along_warp = sums.multiply(warp[:, :2], panel.axes[0])
+    along_weft = sums.multiply(weft[:, :2], panel.axes[1])
+    return (along_warp, warp[:, 2]), (along_weft, weft[:, 2])
 
 
 def pyramid(panel: Panel, shot: Snapshot, share: float = 0.05) -> tuple[float, ...]:

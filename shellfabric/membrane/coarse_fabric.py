@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base import sums
 from shellfabric.membrane.slots import places_of_nodes
 from shellfabric.projectile import sdf_kernels
 
@@ -27,7 +28,9 @@ def depth_in_nose(panel: Any, const: Any, state: Any) -> float:
     outside = np.ones(places.shape[:2], bool)
     i0, i1, j0, j1 = const.window_limits
     outside[i0 : i1 + 1, j0 : j1 + 1] = False
-    from_nose = (places[outside] - state.projectile_position) @ np.asarray(const.frame).T
+    from_nose = sums.multiply(
+        places[outside] - state.projectile_position, np.asarray(const.frame).T
+    )
     widest = const.projectile_radius
     if const.nose.kind == sdf_kernels.PROFILE:
         widest = const.nose.profile.widest

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.metals import Metal
 from shellfabric.jit.table import Row
@@ -104,7 +105,7 @@ def make_row(
     }
     found["v"][:, 1] = velocity
     found["metric"][:] = 1.0, 0.0, 1.0, 1.0
-    ends = places[outline[0], 1], places[outline[-1], 1], mass @ places[:, 1] / mass.sum()
+    ends = places[outline[0], 1], places[outline[-1], 1], sums.dot(mass, places[:, 1]) / mass.sum()
     found["start"][:] = ends
     row = BodyRow(**found)
     element_kernels.forces(row, 0.0)

@@ -29,6 +29,7 @@ from math import cos, inf, pi, remainder, sin
 import numpy as np
 
 from fabrics import ply_laws
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.ply_law import PlyLaw
@@ -283,7 +284,7 @@ class Pack:
             stack.projectile_position[p] = state.projectile_position
             if p > 0 and isinstance(ply, YarnPanel):  # its nose stands before the first ply's yarns
                 x, y, z = stack.projectile_position[0]
-                stack.projectile_position[p] = *(frames.axes(angles[p]) @ (x, y)), z
+                stack.projectile_position[p] = *sums.multiply(frames.axes(angles[p]), (x, y)), z
             stack.projectile_position[p, 2] -= self.places[p]
             # rims move from the start, whether anything touches them or not; of resolved yarns the
             # nose may meet those of any ply first

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from shellfabric.parts import Part
 from shellfabric.projectile import bar_kernels
@@ -69,7 +70,7 @@ class BarHistory:
 def history(t: FloatArray, fine: FloatArray, row: Any, bar: Bar) -> BarHistory:
     """Return the history of a bar from the columns BAR of a run, and from its row at the end."""
     named = {name: fine[:, BAR.index(name)] for name in BAR[len(RIGID) :]}
-    shortening = -float(np.expm1(row.plastic) @ row.h)
+    shortening = -sums.dot(np.expm1(row.plastic), row.h)
     return BarHistory(t, **named, period=bar.period, shortening=shortening)
 
 
@@ -149,7 +150,7 @@ def make_bodies(pack: Any, consts: Any, velocity: float) -> tuple[Part, ...]:
     shot = first.shot
     if shot.bar is None:
         return ()
-    along = velocity * float(shot.flight @ shot.frame[2])
+    along = velocity * sums.dot(shot.flight, shot.frame[2])
     return (BarBody(shot.bar, first.share, consts[0].dt, along),)
 
 
@@ -174,12 +175,12 @@ def audit(
     kick = const.dt * force * const.free_dofs / const.projectile_mass
     speed = state.projectile_velocity
     if not motion.size:
-        energies["kinetic_projectile"] = 0.5 * const.projectile_mass * float(speed @ (speed + kick))
+        energies["kinetic_projectile"] = 0.5 * const.projectile_mass * sums.dot(speed, speed + kick)
         return energies, float(speed[2] + 0.5 * kick[2])
     axis = const.frame[2]
-    across = speed - axis * (axis @ speed)
-    pushed = kick - axis * (axis @ kick)
-    beside = 0.5 * const.projectile_mass * float(across @ (across + pushed))
+    across = speed - axis * sums.dot(axis, speed)
+    pushed = kick - axis * sums.dot(axis, kick)
+    beside = 0.5 * const.projectile_mass * sums.dot(across, across + pushed)
     velocity = across[2] + 0.5 * pushed[2] + axis[2] * motion[bar_kernels.CENTRE]
     energies["kinetic_projectile"] = beside
     return energies, float(velocity)
@@ -191,5 +192,5 @@ def velocity(state: Any, const: Any, motion: FloatArray) -> FloatArray:
     speed = state.projectile_velocity.copy()
     if motion.size:
         axis = const.frame[2]
-        speed += axis * (motion[bar_kernels.CENTRE] - axis @ speed)
+        speed += axis * (motion[bar_kernels.CENTRE] - sums.dot(axis, speed))
     return speed

@@ -5,6 +5,7 @@ from math import cos, sin
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 
 
@@ -21,4 +22,4 @@ def turned_back(vectors: FloatArray, rows: FloatArray | None) -> FloatArray:
     turned from; None: one frame."""
     if rows is None:
         return vectors
-    return np.concatenate([vectors[..., :2] @ rows, vectors[..., 2:]], axis=-1)
+    return np.concatenate([sums.multiply(vectors[..., :2], rows), vectors[..., 2:]], axis=-1)

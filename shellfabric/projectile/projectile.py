@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from fabrics import metals
+from fabrics.base import sums
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
@@ -453,8 +454,8 @@ class Projectile(NoseNumbers):
         """Compute the signed distance [m] to a point (3,) of the panel's frame when the nose is at
         the origin; and its gradient."""
         frame = self.frame
-        depth, normal = sdf_kernels.distance(self.nose, frame @ np.asarray(point))
-        return depth, frame.T @ normal
+        depth, normal = sdf_kernels.distance(self.nose, sums.multiply(frame, point))
+        return depth, sums.multiply(frame.T, normal)
 
     @property
     def top(self) -> float:
@@ -466,7 +467,7 @@ class Projectile(NoseNumbers):
         if not self.tilted or self.obliquity + self.yaw == 0:
             return 0.0
         if self.solid is not None:
-            return max(0.0, float((self.solid.points @ self.frame[:, 2]).max()))
+            return max(0.0, float(sums.multiply(self.solid.points, self.frame[:, 2]).max()))
         far = 1e4
         return max(0.0, far - self.distance(np.array([0.0, 0.0, far]))[0])
 
@@ -515,7 +516,7 @@ class Projectile(NoseNumbers):
         points = np.zeros_like(rays)
         points[:, 2] = np.repeat(origin, around)
         sdf_kernels.trace(nose, points, rays)
-        return ((points - [0, 0, set_back]) @ self.frame).reshape(slope.size, around, 3)
+        return sums.multiply(points - [0, 0, set_back], self.frame).reshape(slope.size, around, 3)
 
     def mirrored(self, axis: int) -> bool:
         """Tell whether the shot is its own mirror image in the plane x = 0 (axis 0) or y = 0 (axis

@@ -14,6 +14,7 @@ from math import inf, pi
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 from fabrics.metals import Metal
@@ -373,8 +374,8 @@ def _untangled(curve):
     start, end = curve[0], curve[-1]
     inward = curve[len(curve) // 2] - start
     outward = end - curve[len(curve) // 2]
-    ahead = np.cumsum((curve - start) @ inward > 0) > 0
-    behind = np.cumsum(((end - curve) @ outward > 0)[::-1])[::-1] > 0
+    ahead = np.cumsum(sums.multiply(curve - start, inward) > 0) > 0
+    behind = np.cumsum((sums.multiply(end - curve, outward) > 0)[::-1])[::-1] > 0
     kept = ahead & behind
     kept[[0, -1]] = True
     return curve[kept]

@@ -13,6 +13,7 @@ from math import pi, sin
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from shellfabric.solids import step_kernels
@@ -121,7 +122,7 @@ def _at_rest(patch, row, platens, steps):
         tension=np.array(tension),
         contact=float(contact),
         plates=platens.total,
-        kinetic_energy=float(0.5 * row.mass @ (row.v**2).sum(axis=1)),
+        kinetic_energy=0.5 * sums.dot(row.mass, (row.v**2).sum(axis=1)),
         steps=steps,
     )
 

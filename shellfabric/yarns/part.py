@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.guards import speed_limit
 from shellfabric.membrane import quality
@@ -88,9 +89,9 @@ class ResolvedYarns(Part):
         if not self.zone.has_shadow:
             return 0.0
         slots = shadow_slots(self.zone).ravel()
-        power = sum(float(v[slots] @ f[slots]) for v, f in zip(state.v, state.f_contact))
+        power = sum(sums.dot(v[slots], f[slots]) for v, f in zip(state.v, state.f_contact))
         if state.f_block_cloth[2].size > 0:
-            power += sum(float(v[slots] @ f[slots]) for v, f in zip(state.v, state.f_block_cloth))
+            power += sum(sums.dot(v[slots], f[slots]) for v, f in zip(state.v, state.f_block_cloth))
         return 0.5 * self.zone.dt * power
 
     def show(self, state: State) -> None:

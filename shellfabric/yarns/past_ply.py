@@ -41,7 +41,7 @@ def nodes_past(
     surface[:, 2] += apart
     nose = front.in_pack(states[0].projectile_position)
     reach = NEAR * front.projectile.radius
-    close = (places[:, :2] - nose[:2]) ** 2 @ np.ones(2) < reach**2
+    close = np.sum((places[:, :2] - nose[:2]) ** 2, axis=1) < reach**2
     found = np.zeros(len(places), bool)
     own = np.flatnonzero(close & zone.whole & np.roll(zone.whole, 1))
     if own.size == 0 or len(surface) == 0:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from meshing.mesh import YarnMesh
 from unitcell3d.assembly.constraints import VERTICAL
@@ -50,7 +51,7 @@ class Edges:
         middle = first.shape[1] // 2
         self._edges = [np.ascontiguousarray(edge[:, middle], np.int64) for edge in (first, second)]
         a, b = (points[edge[-1]] - points[edge[0]] for edge in self._edges)
-        sine = np.linalg.norm(np.cross(a, b)) / np.prod([np.linalg.norm(a), np.linalg.norm(b)])
+        sine = float(sums.norm(np.cross(a, b)) / (sums.norm(a) * sums.norm(b)))
         self._area = thicknesses[0] * thicknesses[1] / sine
         self._toward = np.eye(3)[across]
         self.gaps = np.array([np.inf])

@@ -16,6 +16,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
@@ -246,8 +247,8 @@ class YarnsModel:
         """Find the number of the hexahedron with the least corner volume ratio to the undeformed,
         and that ratio."""
         with np.errstate(invalid="ignore"):  # positions of a state that has gone wrong
-            volumes = np.linalg.det(corner_edges(x, self.hexes))
-        ratio = volumes / np.linalg.det(corner_edges(self.points, self.hexes))
+            volumes = sums.determinant(corner_edges(x, self.hexes))
+        ratio = volumes / sums.determinant(corner_edges(self.points, self.hexes))
         cell = int(np.argmin(ratio.min(axis=1)))
         return cell, float(ratio[cell].min())
 

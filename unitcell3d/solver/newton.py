@@ -38,6 +38,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import UnstableError
 from unitcell3d.assembly.linear_solver import DirectSolver
@@ -223,7 +224,7 @@ class Newton:
         model = self.model
         forces, contact, plates = model.forces(q, load)
         residual = model.constraints.reduce(forces)
-        norm = np.linalg.norm(residual)
+        norm = float(sums.norm(residual))
         ends = [abs(model.constraints.end_force(forces, yarn)) for yarn in (0, 1)]
         scale = max(*ends, abs(contact), *plates, LEAST_FORCE)
         self._latest = Equilibrium(q, forces, residual, contact, plates, norm, scale)
@@ -298,8 +299,8 @@ class Newton:
 
         `found` itself where the pull has not turned round by much, or where the step went uphill.
         """
-        pull = -(state.residual @ step)
-        end = found.residual @ step
+        pull = -sums.dot(state.residual, step)
+        end = sums.dot(found.residual, step)
         if pull <= 0 or end <= OVERSHOT * pull:
             return found, 1.0
         low = (0.0, -pull)
@@ -314,7 +315,7 @@ class Newton:
             if np.isfinite(trial.norm):
                 found = trial
                 share = at
-                there = trial.residual @ step
+                there = sums.dot(trial.residual, step)
             if there > 0:
                 high = (at, there)
             else:
@@ -351,10 +352,10 @@ def _corrected(step, taken):
     """Broyden's step from the step of the factorised tangent and those `taken` since; None where it
     is singular."""
     for before, after in pairwise(taken):
-        step = step + after * (before @ step) / (before @ before)
+        step = step + after * sums.dot(before, step) / sums.dot(before, before)
     if taken:
         last = taken[-1]
-        share = 1 - (last @ step) / (last @ last)
+        share = 1 - sums.dot(last, step) / sums.dot(last, last)
         if abs(share) < 0.1:
             return None
         step = step / share

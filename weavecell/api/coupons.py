@@ -366,8 +366,8 @@ class CouponResult(Result):
             return []
         steps = ", ".join(map(str, 1 + np.flatnonzero(slack)))
         return [
-            f"unloaded in {slack.sum()} of {slack.size} load steps ({steps}): the yarns are slack, and what is measured "
-            "there is noise"
+            f"unloaded in {slack.sum()} of {slack.size} load steps ({steps}): the yarns are slack, and what is "
+            "measured there is noise"
         ]
 
     def _flag(self, name):

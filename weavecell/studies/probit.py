@@ -200,7 +200,7 @@ def penalty(velocity: FloatArray, log_weight: FloatArray) -> Any:
     largest = log_weight.max(axis=-1)
     w = np.exp(log_weight - largest[..., None])
     total = w.sum(axis=-1)
-    off = velocity - (w @ velocity / total)[..., None]
+    off = velocity - (np.sum(w * velocity, axis=-1) / total)[..., None]
     return largest + 0.5 * np.log(np.maximum(total * (w * off**2).sum(axis=-1), _LEAST))
 
 

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base import run_cache
+from fabrics.base import run_cache, sums
 from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
@@ -140,10 +140,12 @@ def fit_line_at(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
         return nan, nan
     off = x - x.mean()
     place = at - x.mean()
-    slope = off @ y / (off @ off)
+    slope = sums.dot(off, y) / sums.dot(off, off)
     residuals = y - y.mean() - slope * off
-    variance = residuals @ residuals / (x.size - 2)
-    return float(y.mean() + slope * place), sqrt(variance * (1 / x.size + place**2 / (off @ off)))
+    variance = sums.dot(residuals, residuals) / (x.size - 2)
+    return float(y.mean() + slope * place), sqrt(
+        variance * (1 / x.size + place**2 / sums.dot(off, off))
+    )
 
 
 def fire(setup: ImpactSetup) -> dict[str, Any]:
