@@ -1,6 +1,6 @@
 """Norms, products and solutions whose bits are the same on every processor.
 
-What numpy and scipy hand to BLAS or LAPACK (`@`, `np.dot`, `np.linalg`, `splu`) is added up in an order
+What numpy and scipy hand to BLAS or LAPACK (the operator @, `np.dot`, `np.linalg`, SuperLU) is added up in an order
 that the library chooses by the processor: the last bits differ from machine to machine. Code that then
 decides something by such a number, or iterates from it, can go another way. Here everything is a product
 of elements and numpy's sum, which adds in one order wherever it runs.
@@ -27,9 +27,9 @@ def norm(values: FloatArray, axis: int | None = None, *, keepdims: bool = False)
     return np.sqrt(np.sum(values * values, axis=axis, keepdims=keepdims))
 
 
-def dot(first: FloatArray, second: FloatArray) -> float:
+def dot(first: ArrayLike, second: ArrayLike) -> float:
     """Add up the products of the entries of two arrays (n,)."""
-    return float(np.sum(first * second))
+    return float(np.sum(np.multiply(first, second)))
 
 
 def multiply(first: ArrayLike, second: ArrayLike) -> FloatArray:
