@@ -61,15 +61,28 @@ wanted=$(cat pyproject.toml tools/setup.sh | sha256sum | cut -d' ' -f1)" $extras
 if [ ! -f "$stamp" ] || [ "$(cat "$stamp")" != "$wanted" ]; then
   echo "setup: preparing $venv, Python packages from PyPI: up to 1.3 GB on disk, 2 to 5 minutes"
   [ -x "$venv/bin/python" ] || "$python" -m venv --system-site-packages "$venv"
+  # Debian lists its h5py under other names: pip would bring another, with another HDF5 than that of dolfinx
+  "$venv/bin/python" - <<'LISTED'
+import sysconfig
+from pathlib import Path
+
+import h5py
+
+listed = Path(sysconfig.get_path("purelib"), f"h5py-{h5py.__version__}.dist-info")
+listed.mkdir(exist_ok=True)
+(listed / "METADATA").write_text(f"Metadata-Version: 2.1\nName: h5py\nVersion: {h5py.__version__}\n")
+(listed / "INSTALLER").write_text("tools/setup.sh\n")
+LISTED
   pin=$(mktemp)
   trap 'rm -f "$pin"' EXIT
   "$python" -c 'import numpy; print("numpy==" + numpy.__version__)' >"$pin"
   "$venv/bin/python" -m pip install --progress-bar off --disable-pip-version-check --constraint "$pin" --editable ".[$extras]" |
     progress 10
   "$venv/bin/python" - <<'CHECK'
-import sys, numpy
-if sys.prefix in numpy.__file__:
-    sys.exit("setup: numpy was replaced inside the environment; remove it and run again")
+import sys, h5py, numpy
+for package in (numpy, h5py):
+    if sys.prefix in package.__file__:
+        sys.exit(f"setup: {package.__name__} was replaced inside the environment; remove it and run again")
 CHECK
   # what the first shot of a user would wait for
   if [ "$extras" != app,docs ]; then

@@ -59,7 +59,7 @@ def columns_of_records(
     found: dict[str, list[Any]] = {}
     for key in _keys_of_list(table, name):
         for column, part in _split(key):
-            values = [record.get(key.name) for record in written]
+            values: list[Any] = [record.get(key.name) for record in written]
             found[column] = values if part is None else [value[part] for value in values]
     return found
 
