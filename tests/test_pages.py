@@ -42,6 +42,36 @@ def test_pages_and_numbers_made_from_code_and_data_are_up_to_date(tool):
     assert tool("pages").stale() == []
 
 
+def test_results_written_by_hand_do_not_become_more(tool):
+    """Else: fill them from the data by a mark (tools/page_values.py). Fewer: python tools/page_numbers.py --write"""
+    numbers = tool("page_numbers")
+    allowed = numbers.allowed()
+    more = {
+        page: count for page, count in numbers.counted().items() if count > allowed.get(page, 0)
+    }
+    assert more == {}
+
+
+MARK = "<!-- = measured[id=gelatine 10 %] {} -->{}<!-- / -->"
+
+
+def test_a_mark_is_filled_from_the_data(tool):
+    values = tool("page_values")
+    rows = {row["id"]: row for row in values.read(values.DATA / "measured.csv")[1]}
+    row = rows["gelatine 10 %"]
+    text = values.filled(MARK.format("computed : .1f", "17"))
+    assert text == MARK.format("computed : .1f", f"{float(row['computed']):.1f}")
+    ratio = float(row["computed"]) / float(row["measured"])
+    asked = "computed over measured : +.0f%"
+    assert values.filled(MARK.format(asked, "")) == MARK.format(
+        asked, f"{100 * (ratio - 1):+.0f} %"
+    )
+    with pytest.raises(ValueError, match="no row"):
+        values.value("measured[id=moon] computed : .1f")
+    with pytest.raises(ValueError, match="no column"):
+        values.value("measured[id=gelatine 10 %] weight : .1f")
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_printed_commands_exist_and_have_their_files(page):
     """Each command with its options; each file is in the repository or made before on the page; Python is public."""

@@ -96,7 +96,7 @@ def _in_variants(table):
 
 def made() -> str:
     """Say how the file of claims was made."""
-    return f" {read(DATA)[0]}"
+    return " " + read(DATA)[0].partition(";")[0]
 
 
 def verdicts() -> str:

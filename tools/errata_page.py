@@ -19,7 +19,7 @@ def page() -> str:
     """Write the text of the page: a section for each part of the thesis, a paragraph for each
     erratum."""
     made, rows = read(DATA)
-    parts = [HEAD, f"Table made {made}."]
+    parts = [HEAD, f"Table: {made}."]
     for section, entries in groupby(rows, key=itemgetter("section")):
         parts.append(f"## {section}")
         parts += map(entry, entries)

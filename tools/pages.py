@@ -4,7 +4,7 @@
 
 Writes what stands between two marks of a page, and the reference pages in docs/generated (`reference_pages`).
 With --check it names the pages that are out of date and ends with 1. A mark is a comment of Markdown,
-`<!-- NAME of tools/pages.py --> ... <!-- end of NAME -->`.
+`<!-- NAME of tools/pages.py --> ... <!-- end of NAME -->`; numbers and rows of tables: `page_values`.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 import architecture  # noqa: E402
 import claims_page  # noqa: E402
 import keyword_class  # noqa: E402
+import page_values  # noqa: E402
 import reference_pages  # noqa: E402
 from claims_page import markdown  # noqa: E402
 
@@ -165,7 +166,7 @@ def front_page() -> str:
         packs_of_twaron(),
         [
             "tests: growth of V50, 2 to 8 plies",
-            f"{100 * (float(growth['bias']) - 1):.0f} % too large",
+            f"{100 * (float(growth['bias']) - 1):.0f} % too large in a panel of 100 mm ({growth_in_larger_panels()})",
             "**missed**",
         ],
         [
@@ -290,24 +291,41 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
     },
     "weavecell/api/keywords.py": {"keywords": keyword_class.text},
 }
+PAGES = [*MARKED, *(page for page in page_values.pages() if page not in MARKED)]
+
+
+def growth_in_larger_panels():
+    """How much too large the growth of V50 of S-728 is where the panel is larger; tests have 1.404."""
+    known = {(row["panel"], row["plies"]): row for row in table("panel-plies.csv")}
+    ratio = float(known["203 mm", "8"]["V50 [m/s]"]) / float(known["203 mm", "2"]["V50 [m/s]"])
+    tests = float(next(row for row in table("measured.csv") if row["id"] == FRAGMENTS)["measured"])
+    # eight plies in 381 mm were tried by few shots, between these velocities (docs/reports/packs.md)
+    two = float(known["381 mm", "2"]["V50 [m/s]"])
+    low, high = (100 * (velocity / two / tests - 1) for velocity in (381, 405))
+    return (
+        f"S-728: {100 * (ratio / tests - 1):.0f} % in 203 mm, {low:.0f} to {high:.0f} % in 381 mm"
+    )
+
+
+FRAGMENTS = "Prosser, fragment simulator"
 
 
 def made(page: str) -> str:
     """Make the text that a page should have."""
     text = (ROOT / page).read_text("utf-8")
-    for name, content in MARKED[page].items():
+    for name, content in MARKED.get(page, {}).items():
         begin, end = f"<!-- {name} of tools/pages.py -->", f"<!-- end of {name} -->"
         before, begins, rest = text.partition(begin)
         _, ends, after = rest.partition(end)
         if not (begins and ends):
             raise SystemExit(f"{page} has no marks {begin} ... {end}")
         text = before + begin + content() + end + after
-    return text
+    return page_values.filled(text)
 
 
 def stale() -> list[str]:
     """List the pages that are out of date."""
-    marked = [page for page in MARKED if (ROOT / page).read_text("utf-8") != made(page)]
+    marked = [page for page in PAGES if (ROOT / page).read_text("utf-8") != made(page)]
     return marked + [f"docs/generated/{name}" for name in reference_pages.stale(GENERATED)]
 
 
@@ -316,7 +334,7 @@ def main() -> None:
     pages = stale()
     if sys.argv[1:] == ["--check"]:
         sys.exit("".join(f"out of date: {page}\n" for page in pages) or 0)
-    for page in set(pages) & set(MARKED):
+    for page in set(pages) & set(PAGES):
         (ROOT / page).write_text(made(page), "utf-8")
     # by a process that imports the keywords of Python as they are now
     subprocess.run([sys.executable, str(ROOT / "tools" / "reference_pages.py")], check=True)

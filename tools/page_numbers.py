@@ -1,0 +1,196 @@
+"""Numbers on pages of docs that were written by hand, by page and kind.
+
+    python tools/page_numbers.py [--list PAGE] [--write]
+
+Left out: what stands between marks (tools/pages.py, tools/page_values.py), code, formulas, links, citations, names
+(S-720, LAW58), numbers of figures, sections and equations, versions, years, and list numbers. What is left is
+
+    table, prose   results: nothing says when they are old
+    test           its sentence names a test, a measurement or another source
+    input          stands with the same unit in an input of the project: studies, fabrics, examples
+    count          a small whole number in prose
+
+tests/test_pages.py compares the counts of results with docs/numbers.csv, which --write makes of the pages as they are:
+a page may only get fewer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import re
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+NUMBER = r"(?<![\w.,/#-])[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?(?![\w]*[A-Za-z]\d|[\d])"
+TOKEN = re.compile(
+    rf"(?P<n>{NUMBER})(?P<u>\s?(?:%|°|µs|us|ns|ms|s|mm|m/s|m²|kg/m³|g/m²|µm|um|m|N|J|GPa|MPa|Pa|kg|g|times|plies|dtex|den)(?![\w/²]))?"
+)
+GONE = [
+    re.compile(p, re.S | re.M)
+    for p in (
+        r"<!-- (?P<name>[^\n]*?) of tools/pages\.py -->.*?<!-- end of (?P=name) -->",
+        r"<!-- (?:=|rows) .*?-->.*?<!-- / -->",
+        r"^```.*?^```",
+        r"<!--.*?-->",
+        r"\$\$.*?\$\$",
+        r"\$[^$\n]+\$",
+        r"`[^`\n]+`",
+        r"\]\([^)]*\)",
+        r"https?://\S+",
+    )
+]
+# what has digits and is no number
+NAMES = re.compile(
+    "|".join(
+        (
+            r"\b(?:S-\d+|Kevlar(?:®)? \d+(?: [A-Z]\d+)?|IM7|T300|K\d+|42 ?CrMo ?4)\b",
+            r"\b(?:LAW ?\d+|FORM ?\d+|MAT_?\d+|E-\d+|V50|V0|[123]D|R[²2]|npz|UTF-8|x86-64)\b",
+            r"\b(?:Python|numba|OpenRadioss|Debian) \d[\d.]*",
+            r"\b(?:ASME V&V|ISO|ASTM|MIL|NIJ|STANAG)[ -][\w.]+|\b0/45/0/45\b|\b0/90\b",
+            r"\b10\.\d{4,}/[\w.()/-]+",
+            r"\b(?:[Ff]ig(?:ure|s?\.|ures)?|[Ss]ections?|[Tt]ables?|[Cc]hapters?|[Ee]q(?:uations?|s?\.)"
+            r"|[Aa]pp(?:endix|\.)|pages?|p\.|pp\.|Vol\.|No\.|rows?|cases?|step|zone|type|errat(?:um|a)"
+            r"|commit|version|seed) (?:[A-Z]?-?\d[\w.-]*(?:(?:, | and | to )[A-Z]?-?\d[\w.-]*)*)",
+            r"\b(?:19|20)\d\d(?:-\d\d(?:-\d\d)?)?\b",
+            r"\b\d+, \d+-\d+\b|\bRes\. J\. \d+,\s*\d+|^\s*\d+\. |\b[A-Z][a-z]+-\d+\b",
+        )
+    ),
+    re.MULTILINE,
+)
+MEASURED = re.compile(
+    r"\btests?\b|measured|published|thesis|data sheet|Abaqus|DynELA|OpenRadioss|LS-DYNA|literature|regression",
+    re.I,
+)
+
+
+def plain(match):
+    """Blank what is no number, and keep its lines."""
+    return re.sub(r"[^\n]", " ", match[0])
+
+
+def cleaned(text):
+    """Blank marks, code, formulas, links and names."""
+    for pattern in GONE:
+        text = pattern.sub(plain, text)
+    return NAMES.sub(plain, text)
+
+
+def inputs():
+    """Collect the numbers of input files, {(number, unit)}."""
+    found = set()
+    files = [
+        *(ROOT / "validation" / "studies").glob("*.toml"),
+        *(ROOT / "examples").rglob("*.toml"),
+        *(ROOT / "fabrics").rglob("*.toml"),
+        *(ROOT / "shellfabric").rglob("*.toml"),
+        *(ROOT / "weavecell" / "scenes").glob("*.toml"),
+    ]
+    for file in files:
+        text = re.sub(r"#.*", "", file.read_text("utf-8"))
+        for word, unit in re.findall(
+            r"(?<![\w.])(\d+(?:\.\d+)?) ?(%|°|deg|us|µs|ns|ms|mm|m/s|um|µm|m|N|J|GPa|MPa|Pa|kg|g|dtex|den|s)?(?![\w])",
+            text,
+        ):
+            found.add((float(word), {"us": "µs", "um": "µm", "deg": "°"}.get(unit, unit)))
+    return found
+
+
+def of_page(path):
+    """List the numbers of a page: [(kind, line, number, unit, text of the line)]."""
+    text = path.read_text("utf-8")
+    clean = cleaned(text)
+    found = []
+    for match in TOKEN.finditer(clean):
+        word = match["n"]
+        try:
+            value = float(word.lstrip("-+−").replace(",", ""))
+        except ValueError:
+            continue
+        line = clean[clean.rfind("\n", 0, match.start()) + 1 : clean.find("\n", match.end())]
+        in_table = line.lstrip().startswith("|")
+        unit = (match["u"] or "").strip()
+        known = {"us": "µs", "um": "µm"}.get(unit, unit)
+        counted = unit in ("plies", "times") or not (unit or in_table)
+        if counted and value <= 20 and value.is_integer():
+            kind = "count"
+        elif unit and (value, known) in INPUTS:
+            kind = "input"
+        elif MEASURED.search(sentence(clean, match)):
+            kind = "test"
+        elif in_table:
+            kind = "table"
+        else:
+            kind = "prose"
+        row = text.count("\n", 0, match.start()) + 1
+        found.append((kind, row, word, unit, " ".join(line.split())[:110]))
+    return found
+
+
+def sentence(text, match):
+    """Return the sentence or the row of a table that holds a number."""
+    a = max(
+        text.rfind(". ", 0, match.start()),
+        text.rfind("\n\n", 0, match.start()),
+        text.rfind("\n|", 0, match.start()),
+    )
+    ends = [
+        e
+        for e in (
+            text.find(". ", match.end()),
+            text.find("\n\n", match.end()),
+            text.find("\n|", match.end()),
+        )
+        if e > 0
+    ]
+    return text[a + 1 : min(ends, default=len(text))]
+
+
+INPUTS = inputs()
+ALLOWED = ROOT / "docs" / "numbers.csv"
+
+
+def pages():
+    """List the pages that are written by hand."""
+    every = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    return [page for page in every if not {"generated", "figures"} & {*page.parts}]
+
+
+def counted():
+    """Count the results by hand of each page that has any: {page: number}."""
+    found = {}
+    for page in pages():
+        kinds = Counter(kind for kind, *_ in of_page(page))
+        results = kinds["table"] + kinds["prose"]
+        if results:
+            found[str(page.relative_to(ROOT))] = results
+    return found
+
+
+def allowed():
+    """Read how many results by hand each page may have."""
+    with open(ALLOWED, encoding="utf-8", newline="") as file:
+        return {row["page"]: int(row["results by hand"]) for row in csv.DictReader(file)}
+
+
+def main():
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description="Numbers on pages that were written by hand.")
+    parser.add_argument("--list", metavar="PAGE", help="list those of a page, with their kinds")
+    parser.add_argument("--write", action="store_true", help="keep the counts in docs/numbers.csv")
+    options = parser.parse_args()
+    if options.list:
+        for one in of_page(ROOT / options.list):
+            print(*one, sep="\t")
+        return
+    counts = counted()
+    if options.write:
+        lines = [f"{name},{number}\n" for name, number in counts.items()]
+        ALLOWED.write_text("page,results by hand\n" + "".join(lines), "utf-8")
+    for name, number in counts.items():
+        print(f"{number:5} {name}")
+
+
+if __name__ == "__main__":
+    main()
