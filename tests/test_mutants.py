@@ -20,3 +20,52 @@ def test_a_defect_can_be_planted(mutant):
 
 def test_no_two_defects_have_one_name():
     assert len({mutant["id"] for mutant in MUTANTS}) == len(MUTANTS)
+
+
+TEXT = '''
+def area(warp, weft, count):
+    """w1 + w2 of a text is no sum"""
+    if warp > 2 * weft:
+        return warp - weft / 3, "a" + "b"
+    return count[0] * warp
+'''
+CHANGED = {
+    "if warp >= 2 * weft:",
+    "if warp > 2 / weft:",
+    "if weft > 2 * weft:",
+    "if warp > 2 * warp:",
+    'return warp + weft / 3, "a" + "b"',
+    'return warp , "a" + "b"',
+    'return warp - weft * 3, "a" + "b"',
+    'return weft - weft / 3, "a" + "b"',
+    'return warp - warp / 3, "a" + "b"',
+    "return count[1] * warp",
+    "return count[0] / warp",
+    "return count[0] * weft",
+}
+
+
+def test_changes_are_those_of_the_arithmetic(tool):
+    """All of a small module: operators, limits, indices, partners, and a dropped term."""
+    made = tool("draw_mutants")
+    found = set()
+    for change in made.find_changes(TEXT):
+        changed = TEXT[: change.start] + change.replacement + TEXT[change.end :]
+        compile(changed, "changed", "exec")
+        pairs = zip(TEXT.splitlines(), changed.splitlines(), strict=True)
+        (line,) = (after.strip() for before, after in pairs if before != after)
+        found.add(line)
+    assert found == CHANGED
+
+
+def test_a_seed_draws_the_same_defects_and_each_can_be_planted(tool):
+    made = tool("draw_mutants")
+    drawn = made.draw(20, 1)
+    assert drawn == made.draw(20, 1) != made.draw(20, 2)
+    for mutant in drawn:
+        code = (ROOT / mutant["file"]).read_text("utf-8")
+        assert code.count(mutant["text"]) == 1
+        changed = code.replace(mutant["text"], mutant["replacement"])
+        assert changed != code
+        compile(changed, mutant["file"], "exec")
+        assert all((ROOT / path).exists() for path in mutant["tests"])

@@ -1,6 +1,7 @@
 """Do the tests find planted defects? Each of `mutants.toml` is planted in a copy of the tree, and tests are run.
 
     nice python tools/mutants.py --out results/mutants.csv [--suite] [--slow] [--only ID ...] [--check]
+    nice python tools/mutants.py --out results/drawn.csv --draw 40 --seed 1   # drawn from the code, `draw_mutants`
 
 The copy is a git worktree of a commit that is kept: a file is changed, and put back with its time of change,
 so that compiled kernels, which are lent to it, stay valid. The tests of a defect run one path after the
@@ -29,6 +30,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
+import draw_mutants
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -188,6 +190,10 @@ def main() -> None:
     parser.add_argument(
         "--minutes", type=float, default=10.0, help="wall time for one defect at most"
     )
+    parser.add_argument(
+        "--draw", type=int, default=0, help="plant so many drawn defects, not those of mutants.toml"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--commit", default="HEAD", help="of which the tree is tested")
     parser.add_argument(
         "--work", type=Path, default=Path(tempfile.gettempdir()) / "weavecell-mutants"
@@ -207,7 +213,11 @@ def main() -> None:
         )
         print(output)
         sys.exit(code)
-    for mutant in tomllib.loads((ROOT / "tools" / "mutants.toml").read_text())["mutant"]:
+    if chosen.draw:
+        mutants = draw_mutants.draw(chosen.draw, chosen.seed)
+    else:
+        mutants = tomllib.loads((ROOT / "tools" / "mutants.toml").read_text())["mutant"]
+    for mutant in mutants:
         if mutant["id"] in {row["id"] for row in rows} or (
             chosen.only and mutant["id"] not in chosen.only
         ):
