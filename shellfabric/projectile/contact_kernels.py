@@ -169,7 +169,7 @@ def number_in_window(const, i, j):
     return (i - first_row) * (end_column - first_column) + j - first_column
 
 
-@kernel(_nrt=False)
+@unit("integer", work=Scratch)
 def near_elements(state, const, i, j, work):
     """Return those of eight elements from (i, j) on, as bits, whose surface the nose may touch, or
     has touched a step ago. Those that no yarn holds any more erode."""
@@ -254,7 +254,7 @@ def contact_elements(state, const, i, j, work):
         touch_together(state, const, (i, j, number), near & ~torn, work)
         for lane in range(WIDTH):
             if torn >> lane & 1:
-                touch_alone(state, const, (i, j + lane, number, lane), work)
+                touch_alone(state, const, i, j + lane, number, lane, work)
     return work.contact_work, work.spring_energy
 
 
@@ -285,7 +285,7 @@ def touch_together(state, const, points, whole, work):
         store_points(work.dv_contact, point_vector8(state.dv_contact, nodes, wa, wb))
     for lane in range(WIDTH):
         if touched >> lane & 1:
-            contact_point(state, const, (i, j + lane, number, lane), work)
+            contact_point(state, const, i, j + lane, number, lane, work)
     extend_window(surface.window, row, row + 3, line, min(line + WIDTH + 2, const.nj + 2))
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
     for c in range(3):
@@ -293,10 +293,9 @@ def touch_together(state, const, points, whole, work):
         scatter_to_points8(surface.f[c], nodes, force, own)
 
 
-@kernel(_nrt=False)
-def touch_alone(state, const, point, work):
+@unit(work=Scratch)
+def touch_alone(state, const, i, j, number, lane, work):
     """Compute `contact_point` of a point beside failed yarns."""
-    i, j, number, lane = point
     surface = state.surface
     foot = torn_foot(const, work.bent[lane], (i, j), divmod(number, const.points_per_side))
     x = components(work.axes, subtract(vector_of(surface.x, foot), work.nose_place))
@@ -310,7 +309,7 @@ def touch_alone(state, const, point, work):
     if const.point_law.implicit_factor > 0.0:
         store_point(work.dv_other, lane, vector_of(state.dv_other, foot))
         store_point(work.dv_contact, lane, vector_of(state.dv_contact, foot))
-    contact_point(state, const, point, work)
+    contact_point(state, const, i, j, number, lane, work)
     share_out(surface.f, surface.window, foot, column(work.force, 0, lane))
 
 
@@ -337,16 +336,15 @@ def store_point(rows, lane, vector):
     rows[2, lane] = vector[2]
 
 
-@kernel(_nrt=False)
-def contact_point(state, const, point, work):
-    """Compute the contact of a point (element (i, j), number in it, lane of the arrays of
-    `Scratch`).
+@unit(work=Scratch)
+def contact_point(state, const, i, j, number, lane, work):
+    """Compute the contact of a point: of element (i, j), its number in it, its lane of the arrays of
+    `Scratch`.
 
     Its force goes to work.force, what work it takes to work.contact_work, and what its spring holds to
     work.spring_energy.
     """
     law = const.point_law
-    i, j, number, lane = point
     e = number_in_window(const, i, j)
     k = np.uint64(i * const.row_stride + j)
     last = state.last_contact_force[number]
