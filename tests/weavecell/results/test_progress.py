@@ -56,3 +56,13 @@ def test_kernels_of_a_folder_are_announced_once(clock, monkeypatch, caplog):
         "compiling the kernels of a ply",
         "compiling the kernels of the unit cell",
     ]
+
+
+def test_a_first_run_of_any_kind_says_that_it_compiles():
+    """Each folder with kernels, but for those that every run of a ply calls."""
+    folder = kernel_cache.ROOT / "shellfabric"
+    kernels = {
+        ".".join(("shellfabric", file.parent.name)) for file in folder.glob("*/*_kernels.py")
+    }
+    of_a_ply = {f"shellfabric.{name}" for name in ("contact", "loop", "projectile", "surface")}
+    assert kernels - of_a_ply <= set(kernel_cache.MODELS)
