@@ -14,12 +14,18 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,installed unitcell3d meshing weavecell refusals)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow test-processor test-generic nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again setup clean
+.PHONY: demo test test-slow test-processor test-generic nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again kernels setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
+<<<<<<< HEAD
 test: setup  ## everything but the long validation runs, then the style
+=======
+test test-slow test-processor test-generic printed mutants package ledger convergence fuzz studies stale pages lint: export EXTRAS = app,dev
+test: export KERNELS = all
+test: setup lint  ## everything but the long validation runs
+>>>>>>> c71db524 (Set-up: Debian's and Python's packages and the kernels of a ply side by side; the demo needs no packages of the tests)
 	$(QUICK) $(WITH_SOLID)
 	$(QUICK) tests $(WITH_SOLID:%=--ignore=%)
 	$(MAKE) lint
@@ -82,7 +88,7 @@ pages: setup  ## pages and numbers of the documentation that are made from code 
 	$(RUN:-m=) tools/pages.py
 
 docs:  ## the documentation site in results/site; runs the scripts of examples/ that have changed; warnings are errors
-	@VENV=$(DOCS_VENV) EXTRAS=app,docs tools/setup.sh
+	@VENV=$(DOCS_VENV) EXTRAS=app,docs KERNELS=none tools/setup.sh
 	$(DOCS_VENV)/bin/python -m sphinx -W --keep-going -b html docs $(RESULTS)/site
 	@echo "docs: $(RESULTS)/site/index.html; 'make docs-again' runs all scripts of the gallery again"
 
@@ -99,7 +105,10 @@ lint: setup
 	$(VENV)/bin/mypy
 	$(VENV)/bin/lint-imports --no-cache
 
-setup:
+kernels: setup  ## those of all kinds of runs: a first shot of any kind then waits for none
+	$(RUN:-m=) tools/compile_kernels.py all
+
+setup:  ## what `make demo` needs
 	@VENV=$(VENV) tools/setup.sh
 
 clean:

@@ -1,10 +1,13 @@
 """Compile the kernels of the usual runs, so that the first shot of a user does not wait for them.
 
-    python tools/compile_kernels.py [--portable]
+    python tools/compile_kernels.py {ply,all} [--portable]
 
-One ply and a pack on graded and uniform meshes, the projectiles, edges that slip, resolved yarns,
-blocks, coupons and woven solids: two to three minutes on two cores. Kernels that are in the cache
-already are not compiled again, those that no source stands for any more are removed.
+ply : what `make demo` and a first shot run, one ply on a graded mesh; half a minute on two cores
+all : also packs, uniform meshes, the projectiles, edges that slip, resolved yarns, blocks, coupons
+    and woven solids; two to three minutes
+
+Kernels that are in the cache already are not compiled again, those that no source stands for any more
+are removed.
 
 --portable compiles for all processors with the instructions of x86-64-v3, or of 64-bit ARM, which
 find these kernels where they have none of their own: for an image or a wheel.
@@ -12,6 +15,7 @@ find these kernels where they have none of their own: for an image or a wheel.
 
 from __future__ import annotations
 
+import argparse
 import os
 import shutil
 import sys
@@ -100,15 +104,21 @@ def list_runs() -> Iterator[tuple[str, Callable[[], object]]]:
 
 
 def main() -> None:
-    """Fire all shots, and say what they have compiled the kernels of."""
+    """Fire the shots, and say what is compiled."""
     from fabrics.base.kernel_cache import COMMON, kernel_folder
 
-    if "--portable" in sys.argv[1:]:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("kinds", choices=["ply", "all"])
+    parser.add_argument("--portable", action="store_true")
+    chosen = parser.parse_args()
+    if chosen.portable:
         # read by numba when it is imported
         os.environ |= {"NUMBA_CPU_NAME": COMMON[os.uname().machine], "NUMBA_CPU_FEATURES": ""}
     for name, run in list_runs():
+        print(f"kernels: {name}", flush=True)
         run()
-        print(f"setup:   {name}", flush=True)
+        if chosen.kinds == "ply":
+            break
     for package in ("fabrics", "shellfabric"):
         of_today = {kernel_folder(file, ROOT) for file in (ROOT / package).rglob("*.py")}
         for folder in (ROOT / package / "__pycache__").glob("kernels-*"):

@@ -1,4 +1,4 @@
-"""What `make setup` compiles: no first run of a user finds a kernel that is not among it."""
+"""What `make setup` and `make kernels` compile: no shot of the demo and no first run of a user finds another kernel."""
 
 import subprocess
 import sys
@@ -30,8 +30,14 @@ def noted(self, key):
     return load(self, key)
 
 kind.load = noted
-for _, run in list_runs():
+for number, (_, run) in enumerate(list_runs()):
     run()
+    if number == 0:
+        # what `make setup` compiles is enough for the shots of the demo
+        before = set(taken)
+        wc.impact("S-720", "155 m/s", opening="60 mm", end_time="60 us", snapshot_interval="10 us")
+        for kernel, types in sorted(taken - before):
+            print(f"demo: {kernel}", flush=True)
 EXAMPLES = Path("examples").resolve()
 
 def short(file):
