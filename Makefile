@@ -19,13 +19,9 @@ QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
-<<<<<<< HEAD
-test: setup  ## everything but the long validation runs, then the style
-=======
 test test-slow test-processor test-generic printed mutants package ledger convergence fuzz studies stale pages lint: export EXTRAS = app,dev
 test: export KERNELS = all
-test: setup lint  ## everything but the long validation runs
->>>>>>> c71db524 (Set-up: Debian's and Python's packages and the kernels of a ply side by side; the demo needs no packages of the tests)
+test: setup  ## everything but the long validation runs, then the style
 	$(QUICK) $(WITH_SOLID)
 	$(QUICK) tests $(WITH_SOLID:%=--ignore=%)
 	$(MAKE) lint

@@ -35,6 +35,9 @@ def test_the_first_two_commands_of_readme_set_up_a_bare_machine():
     makefile = (ROOT / "Makefile").read_text("utf-8")
     assert re.search(r"^demo: setup\b", makefile, re.MULTILINE)
     assert re.search(r"^test: setup\b", makefile, re.MULTILINE)
+    command = ["make", "--dry-run", "demo", "test"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_pages_and_numbers_made_from_code_and_data_are_up_to_date(tool):
