@@ -12,6 +12,7 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.executors import InProcess
+from fabrics.base.files import write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.membrane import quality
 from tests.scene_text import impact_scene
@@ -19,7 +20,9 @@ from weavecell.api.execution import Execution
 from weavecell.api.result import Result
 from weavecell.api.scatter import V50Result
 from weavecell.api.target import resolve_target
-from weavecell.results.impact import ImpactRecord
+from weavecell.results import coupon
+from weavecell.results.impact import FORMAT, ImpactRecord
+from weavecell.results.result_folder import ResultFolder
 from weavecell.studies import inputs
 from weavecell.studies.assumed_range import AssumedRange, Row
 from weavecell.studies.bracket import Bracket
@@ -192,3 +195,13 @@ def test_a_shot_has_the_title_of_its_file_or_what_it_is(tmp_path):
     assert resolve_target(tmp_path / "own.toml", {}, {}).shot_title == "mine"
     plain = resolve_target(wc.setup("S-728", "80 m/s"), {}, {})
     assert plain.shot_title == f"{plain.title}, 80 m/s"
+
+
+@pytest.mark.parametrize(
+    "kind, is_impact", [(FORMAT, True), ("weavecell impact 1", False), (coupon.FORMAT, False)]
+)
+def test_histories_of_an_impact_are_those_of_this_version(tmp_path, kind, is_impact):
+    assert not ResultFolder(tmp_path).is_impact
+    with write_hdf5(tmp_path / "histories.h5", kind) as file:
+        file["time"] = np.array([0.0, 1e-6])
+    assert ResultFolder(tmp_path).is_impact is is_impact
