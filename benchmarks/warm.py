@@ -39,7 +39,6 @@ PHASES = {
     "samples": ("shellfabric.loop.driver", "ExplicitSolver._sample"),
     "guards": ("shellfabric.loop.driver", "ExplicitSolver._guard"),
     "checkpoints": ("shellfabric.loop.checkpoint", "write"),
-    "movie of the cut": ("weavecell.report.shot.view", "cut_in_motion"),
     "picture of the panel": ("weavecell.report.shot.view", "still"),
     "other pictures": ("weavecell.report.pictures", "render"),
     "ParaView series": ("weavecell.results.vtk", "write_panel"),

@@ -159,6 +159,17 @@ def test_links_of_pages_made_from_code_lead_somewhere(page, tracked):
     assert_links_lead_somewhere(page.relative_to(ROOT), page.read_text("utf-8"), tracked)
 
 
+def test_pages_that_only_the_site_has_are_made(tool):
+    """With a heading, and links from their folder that lead somewhere; the list of pages of the site has each."""
+    found = tool("reference_pages").site_pages()
+    assert len(found) == 5
+    listed = TEXTS["docs/index.md"] + TEXTS["docs/reports/index.md"]
+    for name, text in found.items():
+        assert text.startswith("# "), name
+        assert_links_lead_somewhere(f"docs/generated/{name}", text)
+        assert f"generated/{name.removesuffix('.md')}\n" in listed, name
+
+
 def assert_links_lead_somewhere(page, text, tracked=None):
     for target in re.findall(r"\]\(([^)\s]+)\)", CODE.sub("", text)):
         path, _, anchor = target.partition("#")

@@ -44,14 +44,13 @@ def drawn_once(monkeypatch):
     """Draw each kind of picture once a process, whatever it shows: for tests that run a scene many times and look at
     which files there are."""
     from weavecell.report import pictures
-    from weavecell.report.shot import view
 
     def once(name, draw):
         if name not in _DRAWN:
             _DRAWN[name] = draw()
         return _DRAWN[name]
 
-    render, film = pictures.render, view.cut_in_motion
+    render = pictures.render
     monkeypatch.setattr(
         pictures,
         "render",
@@ -59,7 +58,6 @@ def drawn_once(monkeypatch):
             (draw.__module__, draw.__qualname__, kind), lambda: render(draw, *given, kind=kind)
         ),
     )
-    monkeypatch.setattr(view, "cut_in_motion", lambda record: once("film", lambda: film(record)))
 
 
 @pytest.fixture

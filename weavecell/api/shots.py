@@ -138,12 +138,13 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-    from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs
-
     panel = resolve_target(
         target, options, honoured.IMPACT, velocity, function="impact", one_shot=True
     )
+    # bad input is told before the solver is loaded
+    from weavecell.studies import assumed_range as ranges
+    from weavecell.studies import inputs
+
     accuracy = None
     if panel.case is not None:
         accuracy = panel.case.scene.accuracy
@@ -665,16 +666,13 @@ class ShotResult(ImpactRecord, Result):
     def _sections(self, setup):
         """The chapters that have pictures or follow from options; `setup` is what was run."""
         from weavecell.report import chapters, chapters_discretisation
-        from weavecell.report.page import Figure
         from weavecell.report.shot import chapters_shot, moving, view
 
         case = self.case
         scene = self.case.scene
         used = setup.meshed
-        caption = "The same cut open along x through the impact point; left with heights stretched, right to scale."
-        film = Figure(view.cut_in_motion(self), "gif", caption, "cut")
         sections = [
-            moving.section(self, moving.collect_instants(self, self.instants), [film]),
+            moving.section(self, moving.collect_instants(self, self.instants)),
             chapters_shot.chapter(self, view.still(self)),
             chapters_shot.mesh(self, used),
         ]

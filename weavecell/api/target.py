@@ -221,6 +221,13 @@ def _target(scene, name, stem, text, from_file=False):
     return Target(case, build.setup(case, name), text, name, from_file)
 
 
+def _is_setup(target):
+    """Whether a target is a set-up, whose class comes with the solver."""
+    from shellfabric.impact.setup import ImpactSetup
+
+    return isinstance(target, ImpactSetup)
+
+
 def resolve_target(
     target: Fabric | FilePath | ImpactSetup | None,
     options: Mapping[str, Any],
@@ -247,19 +254,17 @@ def resolve_target(
     InputError : as `weavecell.setup`; keywords or a velocity beside a set-up or an input file; a
         shot without velocity
     """
-    from shellfabric.impact.setup import ImpactSetup
-
     chosen = {key: value for key, value in options.items() if value is not None}
     beside = chosen
     if velocity is not None:
         beside = chosen | {"velocity": velocity}
     refuse_result(target)
-    if isinstance(target, ImpactSetup):
-        _refuse(beside, "a set-up", function)
-        return Target(None, target, "", target.title, from_file=False)
     file = ""
     if isinstance(target, (str, os.PathLike)):
         file = str(target)
+    elif _is_setup(target):
+        _refuse(beside, "a set-up", function)
+        return Target(None, target, "", target.title, from_file=False)
     if is_input_file(file):
         _refuse(beside, "an input file", function)
         return read_target(file, Path.cwd(), refused)

@@ -19,7 +19,10 @@ from weavecell.report.pictures_style import FAINT, INK
 __all__ = ["Normalize", "StyledFigure", "cm", "figure", "plots", "subplots"]
 
 _SETTINGS = {
-    "font.family": "DejaVu Sans",
+    # the first measures all texts. A page holds texts, no outlines: where the first is missing, a
+    # reader sees one of the others, of which Verdana is as wide
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
     "font.size": 12,
     "axes.titlesize": 13,
     "axes.titleweight": "bold",
@@ -46,7 +49,7 @@ _SETTINGS = {
     "figure.dpi": 100,
     "savefig.dpi": 160,
     "figure.constrained_layout.use": True,
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",
     "svg.hashsalt": "weavecell",
 }
 

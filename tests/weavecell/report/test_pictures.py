@@ -3,6 +3,7 @@
 After a wanted change: draw them again with `python -m tests.weavecell.report.test_pictures`, and look at them.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +96,16 @@ def test_a_picture_is_the_one_that_was_seen(name, tmp_path):
         pytest.importorskip("gmsh")
         pytest.importorskip("pyvista")
     assert compare_images(str(SEEN / f"{name}.png"), draw(name, tmp_path), tol=8) is None
+
+
+def test_texts_of_a_drawing_are_texts_that_any_reader_has_a_font_for():
+    """No outlines of letters: they are four tenths of a picture, and cannot be searched."""
+    drawn = pictures.render(pictures.velocity, RUNS).decode()
+    texts = re.findall(r"<text style=\"([^\"]*)\"[^>]*>([^<]*)</text>", drawn)
+    assert {"stopped", "perforated"} <= {words for _, words in texts}
+    families = {re.search(r"'DejaVu Sans', 'Verdana'.*sans-serif", style) for style, _ in texts}
+    assert None not in families
+    assert "DejaVuSans-" not in drawn
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weavecell.report import pictures3d
-from weavecell.report.page import Figure, Report, Section
+from weavecell.report.page import Report, Section
 from weavecell.report.pictures_style import CLAY, ORANGE, RED, STEEL, tension_map
 from weavecell.report.shot import chapters_shot
 from weavecell.results import vtk
@@ -40,10 +40,8 @@ _CAPTION = (
 )
 
 
-def section(
-    record: ImpactRecord, instants: Sequence[tuple[Any, float]], figures: Sequence[Figure] = ()
-) -> Section:
-    """Build the chapter with the view, and with pictures below it.
+def section(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Section:
+    """Build the chapter with the view.
 
     Parameters
     ----------
@@ -57,9 +55,7 @@ def section(
         caption += f" From the front: {record.which_fabric}."
     if record.backing is not None:
         caption += " Brown: half of the face of the block behind."
-    return Section(
-        "motion", "The panel in motion", caption, tuple(figures), moving=moving(record, instants)
-    )
+    return Section("motion", "The panel in motion", caption, moving=moving(record, instants))
 
 
 def collect_instants(

@@ -41,8 +41,6 @@ FRAME_TIME = 0.1
 LAST_FRAME_TIME = 1.5
 # colours of a GIF
 COLOURS = 96
-# instants in the movie of a report
-_INSTANTS = 16
 # letters of a title that fit into one line beside the outcome
 _TITLE = 70
 # [radii of the projectile] half the height of a picture of the yarns about it
@@ -450,12 +448,6 @@ def _write_movie(panel, movie, cut):
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
     files.write(movie, gif(frames(panel, 76, cut)))
-
-
-def cut_in_motion(record: ImpactRecord) -> bytes:
-    """Make a GIF of the section through the impact point, of so few instants that a report is
-    written soon."""
-    return gif(frames(Panel(record, []), 90, True, -(-len(record.cuts) // _INSTANTS)))
 
 
 def gif(images: Iterable[np.ndarray]) -> bytes:
