@@ -195,7 +195,7 @@ def text():
         "",
         "Made from the packages.",
         "",
-        "![Layers of the packages and their folders](../figures/architecture.svg)",
+        "![Layers of the packages and their folders](../../figures/architecture.svg)",
         "",
         "*Packages, and the folders of the two solvers from the highest layer down. Drawn by `tools/architecture.py`.*",
         "",

@@ -26,7 +26,7 @@ Made from the code. [Reference](../reference.md) says how an input file is writt
 
 An input file is a [TOML](https://toml.io) file. A quantity is a string with a unit, in any unit of its dimension:
 `"92.5 m/s"`, `"300 ft/s"`: one number, with a decimal point, and one unit. Everything is checked before a run starts;
-a wrong key or value is refused in one line. The same keys are keywords in [Python](python.md). Editors complete and
+a wrong key or value is refused in one line. The same keys are keywords in Python. Editors complete and
 check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.json`, which lie beside this page.
 
 Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left

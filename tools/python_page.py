@@ -53,7 +53,7 @@ def page() -> str:
     """Write the text of the page."""
     parts = [
         "# Python",
-        "Made from signatures and docstrings. [Reference](../reference.md#python) has what holds for all.",
+        "Made from signatures and docstrings. [Reference](../../reference.md#python) has what holds for all.",
     ]
     parts += [
         f"## {title}\n\n" + "\n\n".join(map(_function, names)) for title, names in SECTIONS.items()

@@ -1,11 +1,13 @@
-"""Reference pages that are made from code and data, and are kept in git for those who read the repository.
+"""Reference pages that are made from code and data.
 
     python tools/reference_pages.py [docs/generated]
 
-cli.md has every command with its arguments, options and defaults, input.md every key of input and result files,
-python.md the functions and results of the Python interface, files.md tables of output and data files, errata.md the
-errata of the thesis, architecture.md the layers and folders, kernel-arrays.md what kernels take. scene.schema.json and
-coupon.schema.json are JSON Schemas of the input files, for editors.
+Kept in git, for those who read the repository: input.md has every key of input and result files, files.md tables of
+output and data files; scene.schema.json and coupon.schema.json are JSON Schemas of the input files, for editors.
+
+Made with the site alone, in the folder `site`: cli.md has every command with its arguments, options and defaults, as
+`weavecell COMMAND --help`; python.md the functions and results of the Python interface, as `help(wc.impact)`; errata.md
+the errata of the thesis, architecture.md the layers and folders, kernel-arrays.md what kernels take.
 """
 
 from __future__ import annotations
@@ -133,31 +135,39 @@ def schemas():
     }
 
 
-def pages():
-    """Write all pages: {name: text}."""
+def kept_pages():
+    """Write the pages and schemas that are kept in git: {name: text}."""
+    texts = {"input.md": keys_page.page(), "files.md": file_formats.page()}
+    for name, found in schemas().items():
+        texts[name] = json.dumps(found, indent=2) + "\n"
+    return texts
+
+
+def site_pages():
+    """Write the pages that the site alone has: {name: text}."""
     return {
-        "cli.md": cli(),
-        "input.md": keys_page.page(),
-        "python.md": python_page.page(),
-        "files.md": file_formats.page(),
-        "errata.md": errata_page.page(),
-        "architecture.md": architecture.text(),
-        "kernel-arrays.md": kernel_arrays.page(),
+        "site/cli.md": cli(),
+        "site/python.md": python_page.page(),
+        "site/errata.md": errata_page.page(),
+        "site/architecture.md": architecture.text(),
+        # meanings of keys link from the folder of input.md
+        "site/kernel-arrays.md": kernel_arrays.page().replace("](../", "](../../"),
     }
 
 
-def stale(folder):
-    """Return the pages and schemas that a folder has not, or not as they are: {name: text}."""
-    texts = pages()
-    for name, found in schemas().items():
-        texts[name] = json.dumps(found, indent=2) + "\n"
-    kept = {path.name: path.read_text("utf-8") for path in Path(folder).glob("*.*")}
-    return {name: text for name, text in texts.items() if kept.get(name) != text}
+def stale(folder, texts):
+    """Return those of {name: text} that a folder has not, or not as they are."""
+    found = {}
+    for name, text in texts.items():
+        path = Path(folder) / name
+        if not path.exists() or path.read_text("utf-8") != text:
+            found[name] = text
+    return found
 
 
 def write(folder):
     """Write all pages to a folder; Sphinx reads again what is newer."""
-    for name, text in stale(folder).items():
+    for name, text in stale(folder, kept_pages() | site_pages()).items():
         files.write(Path(folder) / name, text)
 
 
