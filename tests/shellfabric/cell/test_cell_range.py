@@ -9,6 +9,7 @@ from fabrics import catalogue
 from fabrics.fabric import Fabric
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import Yarn
+from shellfabric.cell import coefficients
 from shellfabric.cell.crossover_kernels import free_height
 from shellfabric.cell.model import CellModel
 
@@ -101,3 +102,15 @@ def test_range_where_heights_vanish_in_rounding():
         for (lowest, _), yarn in zip(cell.range(), weave.yarns):
             assert lowest == pytest.approx(1 + yarn.crimp)
     assert np.isfinite(cell.table(21).values["T1"]).all()
+
+
+@pytest.mark.parametrize("lowest", [1.0, 0.9997, 0.983])
+def test_the_grid_of_a_table_has_rest_and_reaches_its_ends(lowest):
+    """Also if what lies below rest is less than a step."""
+    found = coefficients.grid(lowest, 1.06, 23)
+    step = found[1] - found[0]
+    assert found.shape == (23,)
+    np.testing.assert_allclose(np.diff(found), step, rtol=1e-9)
+    assert abs(found - 1).min() < 1e-12
+    assert lowest - step <= found[0] <= lowest + 1e-12
+    assert found[-1] >= 1.06 - 1e-12
