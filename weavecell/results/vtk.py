@@ -211,8 +211,7 @@ def write_faces(out: Path, faces: Iterable[tuple[FloatArray, float]]) -> None:
 def write_grid(path: FilePath, content: Any) -> None:
     """Write a grid of pyvista as .vtu, whole or not at all.
 
-    Numbers are compressed a little and stand as bytes: written as texts, or compressed well, they
-    would be a seventh smaller at most and take ten times as long.
+    Numbers are compressed a little and stand as bytes: to compress them well took most of the time.
 
     Raises
     ------
