@@ -24,7 +24,6 @@ SECTIONS = {
     ),
     "Shots": (
         "impact",
-        "size_of",
         "setup",
         "sweep",
         "critical_velocity",

@@ -30,6 +30,7 @@ for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
 
 # functions and commands of earlier versions: what to use instead
 REMOVED = {
+    "size_of": "use `impact` with check=True",
     "fit": "use scipy.optimize.least_squares (docs/coupons.md), or `reduce_tests` for the statistics of tests",
     "show_fabric": "use `show`",
     "show_projectile": "use `show`",

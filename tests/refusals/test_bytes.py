@@ -195,13 +195,13 @@ def test_what_a_terminal_cannot_print_is_replaced(command, monkeypatch, encoding
 def test_a_quantity_of_pint_is_taken():
     u = pint.UnitRegistry()
     small = {"opening": 20 * u.mm, "end_time": "10 us"}
-    size = wc.size_of("S-720", 92.5 * u.m / u.s, **small)
+    size = wc.impact("S-720", 92.5 * u.m / u.s, check=True, **small)
     assert "92.5 m/s" in str(size)
-    assert str(size) == str(wc.size_of("S-720", "92.5 m/s", **small))
+    assert str(size) == str(wc.impact("S-720", "92.5 m/s", check=True, **small))
     with pytest.raises(InputError, match="velocity"):
-        wc.size_of("S-720", 92.5 * u.kg, **small)
+        wc.impact("S-720", 92.5 * u.kg, check=True, **small)
     with pytest.raises(InputError, match="velocity"):
-        wc.size_of("S-720", [92.5, 93] * u.m / u.s, **small)
+        wc.impact("S-720", [92.5, 93] * u.m / u.s, check=True, **small)
 
 
 def test_a_script_without_the_main_guard_is_told_of_it(tmp_path):

@@ -102,8 +102,7 @@ def sample(
     InputError : a range, number or size is not allowed
     UnstableError : a line found no equilibrium; those that were finished are kept
     """
-    axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
-    _check(tolerance, friction)
+    axes = check(d1, d2, points, tolerance, friction)
     mesher.build(fabric, size=size)  # bad input ends here, in this process
     with (
         TemporaryDirectory() as spare,
@@ -131,7 +130,15 @@ def sample(
     )
 
 
-def _check(tolerance, friction):
+def check(
+    d1: tuple[float, float],
+    d2: tuple[float, float],
+    points: tuple[int, int],
+    tolerance: float | None,
+    friction: float,
+) -> list[np.ndarray]:
+    """Refuse what `sample` does not take; return the places [m] of the first lines of both axes."""
+    axes = [_axis(name, span, n) for name, span, n in zip(("d1", "d2"), (d1, d2), points)]
     if tolerance is not None and not 0 < tolerance < 1:
         raise InputError(key="tolerance", value=tolerance, allowed="above 0 and below 1")
     if tolerance is not None and friction:
@@ -139,6 +146,7 @@ def _check(tolerance, friction):
             "a tolerance goes without friction, with which added lines would be of other paths"
         )
     Numerics(friction=friction)  # refuses what is not allowed
+    return axes
 
 
 def _axis(name, span, n):

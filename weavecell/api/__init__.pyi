@@ -45,7 +45,6 @@ from weavecell.api.reduction import reduce_shot as reduce_shot
 from weavecell.api.result import Result as Result
 from weavecell.api.run_size import RunSize as RunSize
 from weavecell.api.run_size import SizeOfPatch as SizeOfPatch
-from weavecell.api.run_size import size_of as size_of
 from weavecell.api.runs import fabric as fabric
 from weavecell.api.runs import setup as setup
 from weavecell.api.saved import SavedResult as SavedResult

@@ -10,7 +10,6 @@ The folder of `weavecell biaxial`
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite, sqrt
@@ -26,7 +25,9 @@ from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
 from weavecell.api import meshes
-from weavecell.api.result import Result, figure, save_to
+from weavecell.api.command import Plan, Running, command
+from weavecell.api.result import Result, figure
+from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_surface
 from weavecell.results import json_file, out_folder, progress
@@ -60,15 +61,68 @@ NAMES = (
 )
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class BiaxialPlan(Plan["BiaxialResult"]):
+    """Paths of a crossover that are about to be followed.
+
+    Parameters
+    ----------
+    model : CellModel, with its fabric
+    ratios : {text: (warp, weft)} of each path
+    source : of the compression law, in words
+    mesh : of the 3D crossover as it was given; None without one
+    size : the same as `meshing` takes it
+    """
+
+    runs = ""
+
+    model: CellModel
+    ratios: dict[str, tuple[float, float]]
+    source: str
+    mesh: Any
+    size: Any
+
+    @property
+    def files(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The names of the files, also of the 3D crossover along the paths."""
+        if self.mesh is None:
+            return NAMES
+        return _names(self.ratios)
+
+    def forecast(self) -> WorkSize:
+        """Count paths and states, and hexahedra of the 3D crossover."""
+        title = f"{self.model.fabric.name}, biaxial"
+        amounts = {"paths": len(self.ratios), "states": len(self.ratios) * STATES}
+        if self.mesh is None:
+            return WorkSize(title, amounts)
+        from meshing import crossover
+
+        return meshes.size_of_mesh(
+            title, crossover.build(self.model.fabric, size=self.size), **amounts
+        )
+
+    def run(self, running: Running) -> BiaxialResult:
+        """Follow the paths, in 3D too if it is asked for."""
+        from weavecell.studies.biaxial_path import to_strength
+
+        paths = {text: to_strength(self.model, pair, STATES) for text, pair in self.ratios.items()}
+        solved = {}
+        if self.mesh is not None:
+            solved = _crossovers(self.model.fabric, paths, self.size)
+        result = BiaxialResult(self.model, paths, solved, self.source, self.mesh, running.wall_time)
+        return running.save(result)
+
+
+@command(BiaxialPlan)
 def biaxial(
     fabric: Fabric | FilePath,
     *,
     ratio: list[str] | None = None,
     compare_3d: str | float | tuple[int, int, int] | None = None,
     law: FilePath | CompressionLaw | None = None,
+    check: bool = False,
     out: FilePath | None = None,
-) -> BiaxialResult:
+) -> BiaxialPlan:
     """Stretch a crossover at fixed ratios of strains to the strength of a yarn: 1:1, 1:0 and 0:1 if
     none is given.
 
@@ -85,6 +139,7 @@ def biaxial(
         dolfinx
     law : compression law of `weavecell calibrate` (law.json), in place of the fabric's; in Python
         also a CompressionLaw
+    check : compute nothing and write nothing: count paths, states and hexahedra
     out : folder of the results; in Python None writes nothing
 
     Returns
@@ -103,7 +158,6 @@ def biaxial(
     ('weft', [0.0375, 0.0375])
     """
     from shellfabric.cell.model import CellModel
-    from weavecell.studies.biaxial_path import to_strength
 
     wanted = {text: _ratio(text) for text in ratio or RATIOS}
     named = not isinstance(fabric, Fabric)
@@ -124,15 +178,10 @@ def biaxial(
     elif fabric.laws is None:
         allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="law", allowed=allowed)
-    model = CellModel(fabric)
-    began = time.perf_counter()
-    with out_folder.hold(out, _names(wanted if compare_3d is not None else ())) as folder:
-        paths = {text: to_strength(model, pair, STATES) for text, pair in wanted.items()}
-        solved = {}
-        if compare_3d is not None:
-            solved = _crossovers(fabric, paths, meshes.size(compare_3d))
-        seconds = time.perf_counter() - began
-        return save_to(BiaxialResult(model, paths, solved, source, compare_3d, seconds), folder)
+    size = None
+    if compare_3d is not None:
+        size = meshes.size(compare_3d)
+    return BiaxialPlan(CellModel(fabric), wanted, source, compare_3d, size)
 
 
 def _names(solved):

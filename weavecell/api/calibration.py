@@ -16,6 +16,7 @@ The folder of `weavecell calibrate`
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -30,10 +31,12 @@ from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
-from weavecell.api import meshes, study_run
+from weavecell.api import meshes
+from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
-from weavecell.api.result import Result, figure, save_to
+from weavecell.api.result import Result, figure
+from weavecell.api.run_size import WorkSize
 from weavecell.results import display, json_file, out_folder, progress
 from weavecell.results.named_value import NamedValue, tabulate
 
@@ -70,7 +73,130 @@ NAMES = (
 )
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class CalibrationPlan(Plan["CalibrationResult"]):
+    """A calibration that is about to be solved.
+
+    Parameters
+    ----------
+    fabric : Fabric, with what a 3D crossover needs
+    size : of the mesh, as `meshing` takes it
+    curve : PlateCurve to which the solid is fitted first; None without one
+    friction : [-] between the yarns
+    fraction : "mesh" or "stated", whose fibre fraction enters the law of the solid
+    assumed_range : whether the ends of an assumed solid law are solved too
+    named : whether the fabric was given by a name, and has the linear density of shots afterwards
+    """
+
+    runs = SOLID_RUNS
+
+    fabric: Fabric
+    size: Any
+    curve: PlateCurve | None
+    friction: float
+    fraction: str
+    assumed_range: bool
+    named: bool
+
+    @property
+    def files(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The names of what is written."""
+        from unitcell3d.identify import calibrate as solver
+
+        return (*NAMES, *solver.names())
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """What the paths are solved of."""
+        return [(self.fabric, self.size, self.friction, self.curve, self.fraction)]
+
+    def forecast(self) -> WorkSize:
+        """Count the paths, those of the ends of an assumed law too, and hexahedra and nodes."""
+        from unitcell3d.identify import calibrate as solver
+
+        built = meshes.of_calibration(self.fabric, self.size)
+        paths = solver.CASES
+        if self.assumed_range and self.curve is None and assumed.solid_ends(self.fabric):
+            paths *= 3
+        return meshes.size_of_mesh(f"{self.fabric.name}, calibration", built.mesh, paths=paths)
+
+    def run(self, running: Running) -> CalibrationResult:
+        """Fit the solid to the platens, then the law to the crossover of that solid."""
+        from unitcell3d.identify import calibrate as solver
+
+        # a later run warns if the data that the law was fitted to have changed
+        digest = data_digest(self.fabric)
+        choices = {"friction": self.friction, **running.how.solver_pool}
+        fabric = self.fabric
+        solid = None
+        if self.curve is not None:
+            solid = _solid(fabric, self.curve, running.runs)
+            fabric = assumed.given(solid.fabric, "solid")
+        built = meshes.of_calibration(fabric, self.size)
+        fractions = self._note_fractions(built, solid)
+        with progress.bar(f"Calibration of {fabric.name}") as advance:
+            done = solver.calibrate(
+                fabric,
+                size=self.size,
+                out=running.folder,
+                laws=False,
+                resume=running.how.resume,
+                fibre_fraction=self.fraction,
+                on_progress=progress.count_paths(advance, solver.CASES),
+                **choices,
+            )
+        done, failed = self._solve_ends(fabric, done, choices)
+        done = replace(done, law=replace(done.law, fitted_data=digest))
+        interval = None
+        if solid is not None:
+            interval = _interval(solid, running.runs, choices)
+        # the crossover may have more crimp, and has the data sheet's linear density; a shot has
+        # what an input file that names the fabric would give it
+        shot_at = as_written(fabric)
+        if self.named:
+            shot_at = with_linear_density(fabric, "effective")
+        result = CalibrationResult(
+            replace(shot_at, laws=(done.law, done.law)),
+            done,
+            built,
+            failed,
+            solid,
+            interval,
+            resumable=bool(running.folder),
+            fractions=fractions,
+        )
+        return running.save(result)
+
+    def _note_fractions(self, built, solid):
+        """The note on fibre fractions, which is logged; "" without one."""
+        fractions = fractions_note(built, self.fraction)
+        if fractions and solid is None:
+            other = {"mesh": "stated", "stated": "mesh"}[self.fraction]
+            way = f"{option('fibre_fraction', '')} {other}"
+            fractions += f"; {way} shows what the others change"
+        if fractions:
+            logging.getLogger("weavecell").info(fractions)
+        return fractions
+
+    def _solve_ends(self, fabric, done, choices):
+        """(Calibration with the range over an assumed solid law, {end: why it failed})."""
+        from unitcell3d.identify import assumed_range as ends
+        from unitcell3d.identify import calibrate as solver
+
+        if not (self.assumed_range and assumed.solid_ends(fabric)):
+            return done, {}
+        with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
+            return ends.with_assumed_range(
+                fabric,
+                done,
+                size=self.size,
+                fibre_fraction=self.fraction,
+                on_progress=progress.count_paths(advance, 2 * solver.CASES),
+                **choices,
+            )
+
+
+@command(CalibrationPlan)
 @explain_keywords(ResumableKeywords)
 def calibrate(
     fabric: Fabric | FilePath,
@@ -81,8 +207,9 @@ def calibrate(
     friction: float = 0.0,
     fibre_fraction: Literal["mesh", "stated"] | None = None,
     assumed_range: bool = True,
+    check: bool = False,
     **options: Unpack[ResumableKeywords],
-) -> CalibrationResult:
+) -> CalibrationPlan:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs
     dolfinx and PETSc.
 
@@ -108,6 +235,7 @@ def calibrate(
         that of the mesh
     assumed_range : whether the law is fitted at both ends of an assumed solid law too, which
         triples the cost
+    check : solve nothing and write nothing: count paths and hexahedra
     **options : jobs, executor, out and resume
 
     Returns
@@ -124,17 +252,17 @@ def calibrate(
     >>> calibrated = wc.calibrate("S-720", mesh="coarse", assumed_range=False)  # doctest: +SKIP
     >>> wc.impact("S-720", "150 m/s", law=calibrated)  # doctest: +SKIP
     """
-    from unitcell3d.identify import assumed_range as ends
-    from unitcell3d.identify import calibrate as solver
     from unitcell3d.material.numerics import fraction_of
+    from unitcell3d.model.crossover import Numerics
 
-    how = Execution.from_options("calibrate", options)
+    Execution.refuse_others("calibrate", options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
-    solid = None
     fabric = meshes.resolve_fabric_for_3d(fabric)
-    # a later run warns if the data that the law was fitted to have changed
-    digest = data_digest(fabric)
+    if platen_curve is not None and fit_solid:
+        raise InputError(
+            key="fit_solid", allowed="left out with a platen curve, which is fitted to"
+        )
     curve = None
     if platen_curve is not None or fit_solid:
         curve = curve_of(fabric, platen_curve)
@@ -146,67 +274,8 @@ def calibrate(
     fraction: str = fibre_fraction or fraction_of(fabric)
     if curve is not None:
         fraction = "mesh"
-    choices = {"friction": friction, **how.solver_pool}
-    inputs = (fabric, size, friction, curve, fraction)
-    names = (*NAMES, *solver.names())
-    place = out_folder.hold(how.out, names, how.resume, [inputs])
-    with place as folder, study_run.keep_runs(folder, how.resume, SOLID_RUNS) as runs:
-        # first the solid from the platens, then the law from the crossover of that solid
-        if curve is not None:
-            solid = _solid(fabric, curve, runs)
-            fabric = assumed.given(solid.fabric, "solid")
-        built = meshes.of_calibration(fabric, size)
-        fractions = fractions_note(built, fraction)
-        if fractions and solid is None:
-            other = {"mesh": "stated", "stated": "mesh"}[fraction]
-            way = f"{option('fibre_fraction', '')} {other}"
-            fractions += f"; {way} shows what the others change"
-        if fractions:
-            logging.getLogger("weavecell").info(fractions)
-        with progress.bar(f"Calibration of {fabric.name}") as advance:
-            watch = progress.count_paths(advance, solver.CASES)
-            done = solver.calibrate(
-                fabric,
-                size=size,
-                out=folder,
-                laws=False,
-                resume=how.resume,
-                fibre_fraction=fraction,
-                on_progress=watch,
-                **choices,
-            )
-        failed: dict[str, str] = {}
-        if assumed_range and assumed.solid_ends(fabric):
-            with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
-                watch = progress.count_paths(advance, 2 * solver.CASES)
-                done, failed = ends.with_assumed_range(
-                    fabric,
-                    done,
-                    size=size,
-                    fibre_fraction=fraction,
-                    on_progress=watch,
-                    **choices,
-                )
-        done = replace(done, law=replace(done.law, fitted_data=digest))
-        interval = None
-        if solid is not None:
-            interval = _interval(solid, runs, choices)
-        # the crossover may have more crimp, and has the data sheet's linear density; a shot has
-        # what an input file that names the fabric would give it
-        shot_at = as_written(fabric)
-        if named:
-            shot_at = with_linear_density(fabric, "effective")
-        result = CalibrationResult(
-            replace(shot_at, laws=(done.law, done.law)),
-            done,
-            built,
-            failed,
-            solid,
-            interval,
-            resumable=bool(folder),
-            fractions=fractions,
-        )
-        return save_to(result, folder)
+    Numerics(friction=friction)  # refuses what is not allowed
+    return CalibrationPlan(fabric, size, curve, friction, fraction, assumed_range, named)
 
 
 def fractions_note(built: meshes.MeshResult, used: str) -> str:

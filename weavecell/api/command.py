@@ -14,7 +14,7 @@ import inspect
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, fields
 from itertools import count
 from pathlib import Path
@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 
 from fabrics.base import run_cache
-from fabrics.base.errors import UnstableError, interrupts
+from fabrics.base.errors import InputError, UnstableError, interrupts
 from weavecell.api.execution import Execution
 from weavecell.api.result import Result
 from weavecell.api.target import Target
@@ -136,6 +136,13 @@ class Plan(Generic[FoundToo]):
         """Return the result of this very plan that a folder to resume from holds; None without."""
         return None
 
+    def name_problems(self) -> AbstractContextManager[None]:
+        """Name the input file in an InputError that is raised inside this block."""
+        target = getattr(self, "target", None)
+        if target is None:
+            return nullcontext()
+        return target.name_problems()
+
     def forecast(self) -> Result:
         """Say what the run takes, and refuse what it refuses."""
         raise NotImplementedError
@@ -172,8 +179,9 @@ def command(
             named = {key: taken[key] for key in taken if key in signature.parameters}
             made = cast(Any, plan)(*arguments, **named, **options)
             if check:
-                out_folder.look(how.out, made.files, how.resume, made.inputs)
-                with name_problems(made):
+                if how.out is not None:
+                    out_folder.look(how.out, made.files, how.resume, made.inputs)
+                with made.name_problems():
                     return made.forecast()
             return _run(made, how)
 
@@ -203,10 +211,13 @@ def _run(made: Plan[Found], how: Execution) -> Found:
         before = made.finished(Path(how.out))
         if before is not None:
             return before
+    inputs: Sequence[object] = ()
+    if how.out is not None:
+        inputs = made.inputs
     with (
-        out_folder.hold(how.out, made.files, how.resume, made.inputs, made.key) as folder,
+        out_folder.hold(how.out, made.files, how.resume, inputs, made.key) as folder,
         keep_runs(folder, how.resume, made.runs) as runs,
-        name_problems(made),
+        made.name_problems(),
     ):
         running: Running[Found] = Running(how, folder, runs)
         try:
@@ -221,14 +232,6 @@ def _run(made: Plan[Found], how: Execution) -> Found:
         raise running.failure
     result.warn()
     return result
-
-
-def name_problems(made: Plan[Found]) -> Any:
-    """Return a context in which an InputError names the file of the plan's target."""
-    target = getattr(made, "target", None)
-    if target is None:
-        return nullcontext()
-    return target.name_problems()
 
 
 @contextmanager
@@ -250,7 +253,8 @@ def without_effect(
     given: Mapping[str, Any],
     others: Mapping[str, Sequence[Any]],
 ) -> list[str]:
-    """Name the options that are taken and change nothing: with any of `others` the plan is the same.
+    """Name the options that are taken and change nothing: with any of `others` the plan is the same,
+    and none is refused.
 
     Parameters
     ----------
@@ -261,7 +265,12 @@ def without_effect(
     plan = function.plan  # type: ignore[attr-defined]
     silent = []
     for option, values in others.items():
-        made = {digest(plan(*arguments, **{**given, option: value})) for value in values}
+        made = set()
+        for value in values:
+            try:
+                made.add(digest(plan(*arguments, **{**given, option: value})))
+            except InputError as problem:
+                made.add(str(problem))
         if len(made) == 1:
             silent.append(option)
     return silent
@@ -274,9 +283,11 @@ def digest(made: Any) -> str:
 
 
 def _without_scene(value):
-    """A field of a plan as a digest takes it: of a Target its set-up."""
+    """A field of a plan as a digest takes it: of a Target its set-up, of a table its columns."""
     if isinstance(value, Target):
         return value.setup
+    if hasattr(value, "to_dict"):
+        return value.to_dict("list")
     if isinstance(value, (tuple, list)):
         return [_without_scene(one) for one in value]
     return value

@@ -13,6 +13,7 @@ The folder of `weavecell compare`
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import isfinite
@@ -24,11 +25,11 @@ from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, study_run
-from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
+from weavecell.api import quantities
+from weavecell.api.command import Plan, Running, command
+from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.limits import CriticalVelocityResult
-from weavecell.api.result import save_to
+from weavecell.api.limits import NO_LIMIT, CriticalVelocityResult
 from weavecell.api.run_size import StudySize
 from weavecell.api.scatter import V50Result
 from weavecell.api.study_result import DrawnResult
@@ -58,20 +59,141 @@ COMPARED = (
 )
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class ComparisonPlan(Plan["ComparisonResult"]):
+    """Two panels that are about to be compared.
+
+    Parameters
+    ----------
+    a, b : Targets
+    quantity : "v50" or "critical-velocity"
+    shots, seed : of V50, number of shots at each, and of all random numbers
+    tolerance : [m/s] of the bracket of each search
+    over : whether the range over what is assumed is searched
+    """
+
+    files = NAMES
+
+    a: Target
+    b: Target
+    quantity: str
+    shots: int
+    tolerance: float
+    seed: int
+    over: bool
+
+    @property
+    def target(self) -> Target:
+        """A, whose file is named in problems of both."""
+        return self.a
+
+    @property
+    def panels(self) -> tuple[Target, Target]:
+        """A and B."""
+        return self.a, self.b
+
+    @property
+    def title(self) -> str:
+        """What is compared."""
+        return " or ".join(panel.title for panel in self.panels)
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """Both set-ups, quantity and seed: any number of shots go on from the same ones."""
+        from weavecell.studies import inputs
+
+        given = tuple(
+            inputs.use_one_thread(panel.setup, strike_velocity=1.0) for panel in self.panels
+        )
+        return [(given, self.quantity, self.seed)]
+
+    def forecast(self) -> StudySize:
+        """Forecast shots and CPU time of both together."""
+        from weavecell.studies import assumed_range as ranges
+        from weavecell.studies import v50
+
+        searches = 0
+        if self.over:
+            changes = ranges.common_changes(*(panel.setup for panel in self.panels))
+            searches = sum(map(len, changes.values())) + 2
+        sizes = []
+        for panel in self.panels:
+            setup = panel.setup
+            fired = 0
+            if self.quantity == "v50":
+                setup = replace(v50.grade_mesh(setup), symmetry="whole")
+                fired = self.shots
+            sizes.append(StudySize.estimate(setup, panel.title, fired, 1 + searches))
+        return StudySize.add_up(self.title, sizes)
+
+    def run(self, running: Running) -> ComparisonResult:
+        """Fire at both, and search the range of their difference over what is assumed."""
+        begin = self._search
+        if self.quantity == "v50":
+            begin = self._fire_v50
+        parts = 2 + self.over
+        with running.count(self.title) as part:
+            results = []
+            for number, panel in enumerate(self.panels):
+                # their problems name the file
+                with panel.name_problems():
+                    results.append(begin(panel, part(number, parts), running))
+            result = running.save(ComparisonResult(self.quantity, *results))
+            if not self.over:
+                return result
+            logging.getLogger("weavecell").info(f"{result.lines()[0]}; the range follows")
+            around = _range_of_difference(
+                self.panels, self.tolerance, part(2, parts), running.cache
+            )
+            return running.save(replace(result, assumed_range=around))
+
+    def _fire_v50(self, panel, report, running):
+        """The V50Result of a panel drawn as the other is."""
+        from weavecell.studies import inputs, v50
+
+        batch = v50.usual_batch(self.shots)
+        study = v50.study(
+            panel.setup,
+            inputs.read_scatter(),
+            shots=self.shots,
+            batch=batch,
+            seed=self.seed,
+            stride=max(one.setup.plies for one in self.panels),
+            report=report,
+            **running.cache,
+        )
+        return V50Result(study, panel, self.seed, batch, running.wall_time)
+
+    def _search(self, panel, report, running):
+        """The CriticalVelocityResult of a panel: of a pack with V50, of one ply scanned where
+        outcomes mix."""
+        from weavecell.studies import limit, pack_limit
+        from weavecell.studies.limit_scan import ScanRange
+
+        about: dict[str, Any] = {"scan": ScanRange(), "only_mixed": True}
+        if panel.setup.plies > 1:
+            about = {"scan": None, "v50_shots": pack_limit.SHOTS}
+        study = limit.search(panel.setup, tolerance=self.tolerance, **about, **running.cache)
+        report(1, 1)
+        return CriticalVelocityResult(
+            panel, study.limit, study.fit, scan=study.scan, wall_time=running.wall_time
+        )
+
+
+@command(ComparisonPlan)
 @explain_keywords(ResumableKeywords, Keywords)
 def compare(
     target: Fabric | FilePath | ImpactSetup | None,
     other: Fabric | FilePath | ImpactSetup | None,
     *,
     quantity: str = "v50",
-    shots: int = 40,
-    tolerance: float | str = "1 m/s",
+    shots: int | None = None,
+    tolerance: float | str | None = None,
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
-    seed: int = 1,
+    seed: int | None = None,
     **options: Unpack[StudyKeywords],
-) -> ComparisonResult:
+) -> ComparisonPlan:
     """Say which of two panels or packs stops more, A or B, by the difference of V50 or of the
     critical velocity.
 
@@ -95,13 +217,13 @@ def compare(
     other : B, an input file of a ply or pack, name of a fabric or its file; in Python also a
         Fabric, or a set-up of `setup`
     quantity : v50, of panels that differ in strength; or critical-velocity, of yarns without scatter
-    shots : of V50, number of shots at each, at least 4
-    tolerance : of critical-velocity, largest difference between highest stop and lowest perforation
-        [m/s]
+    shots : of V50, number of shots at each, at least 4; if not given 40
+    tolerance : of critical-velocity, and of the searches over what is assumed, largest difference
+        between highest stop and lowest perforation [m/s]; if not given 1 m/s
     assumed_range : repeat the searches of both limits with both ends of each assumption. Without
         this option a command does so if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
-    seed : of V50, seed of all random numbers
+    seed : of V50, seed of all random numbers; if not given 1
     **options : jobs, executor, out and resume; beside fabrics also keywords of `setup` but history,
         for both
 
@@ -123,46 +245,32 @@ def compare(
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs, strengths, v50
 
-    width = quantities.read_positive(tolerance, "m/s", "tolerance")
     if quantity not in list(QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(map(repr, QUANTITIES))}"
         )
-    shots = quantities.read_whole(shots, "shots", v50.LEAST)
-    seed = quantities.read_whole(seed, "seed", 0)
-    how, keywords = Execution.split(options)
-    panels = _resolve(target, other, keywords, quantity)
-    setups = [panel.setup for panel in panels]
-    over = any(ranges.with_ends(setup, assumed_range) is not None for setup in setups)
-    searches = 0
-    if over:
-        searches = 2 * (sum(map(len, ranges.common_changes(*setups).values())) + 2)
-    if check:
-        return _forecast(panels, quantity, shots, searches)  # type: ignore[return-value]
-    scatter = inputs.read_scatter()
-    if quantity == "v50":
-        for panel in panels:
-            with panel.name_problems():
-                strengths.check(panel.setup, scatter)
-    given = tuple(inputs.use_one_thread(setup, strike_velocity=1.0) for setup in setups)
-    title = " or ".join(panel.title for panel in panels)
-    with study_run.begin_study(panels[0], title, how, NAMES, (given, quantity, seed)) as run:
-        begin = _fire_v50 if quantity == "v50" else _search
-        parts = 2 + over
-        results = []
-        for number, panel in enumerate(panels):
-            stride = max(setup.plies for setup in setups)
-            report = run.report(number, parts)
-            # their problems name the file
-            with panel.name_problems():
-                results.append(begin(panel, shots, seed, width, stride, report, run))
-        result = save_to(ComparisonResult(quantity, *results), run.folder)
-        if over:
-            logging.getLogger("weavecell").info(f"{result.lines()[0]}; the range follows")
-            around = _range_of_difference(panels, width, run.report(2, parts), run.runs)
-            result = save_to(replace(result, assumed_range=around), run.folder)
-    result.warn()
-    return result
+    if quantity != "v50":
+        quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
+    width = 1.0
+    if tolerance is not None:
+        width = quantities.read_positive(tolerance, "m/s", "tolerance")
+    count = 40
+    if shots is not None:
+        count = quantities.read_whole(shots, "shots", v50.LEAST)
+    first = 1
+    if seed is not None:
+        first = quantities.read_whole(seed, "seed", 0)
+    panels = _resolve(target, other, options, quantity)
+    for panel in panels:
+        with panel.name_problems():
+            if quantity == "v50":
+                strengths.check(panel.setup, inputs.read_scatter())
+            else:
+                strengths.require_failure(panel.setup, NO_LIMIT)
+    over = any(ranges.with_ends(panel.setup, assumed_range) is not None for panel in panels)
+    if quantity == "v50" and not over:
+        quantities.refuse_unused({"tolerance": tolerance}, "of V50 without a range")
+    return ComparisonPlan(panels[0], panels[1], quantity, count, width, first, over)
 
 
 def _resolve(target, other, keywords, quantity):
@@ -192,47 +300,6 @@ def _name_reduction():
     if option("out").startswith("--"):
         return "`weavecell reduce tests`"
     return "`reduce_tests`"
-
-
-def _forecast(panels, quantity, shots, searches):
-    """The StudySize of both together, with `searches` of the range."""
-    from weavecell.studies import v50
-
-    sizes = []
-    for panel in panels:
-        setup = panel.setup
-        fired = 0
-        if quantity == "v50":
-            setup = replace(v50.grade_mesh(setup), symmetry="whole")
-            fired = shots
-        sizes.append(StudySize.estimate(setup, panel.title, fired, 1 + searches // 2))
-    return StudySize.add_up(" or ".join(panel.title for panel in panels), sizes)
-
-
-def _fire_v50(panel, shots, seed, width, stride, report, run):
-    """The V50Result of a panel drawn as the other is."""
-    from weavecell.studies import inputs, v50
-
-    batch = v50.usual_batch(shots)
-    drawn = {"shots": shots, "batch": batch, "seed": seed, "stride": stride}
-    study = v50.study(panel.setup, inputs.read_scatter(), **drawn, report=report, **run.runs)
-    return V50Result(study, panel, seed, batch, run.wall_time)
-
-
-def _search(panel, shots, seed, width, stride, report, run):
-    """The CriticalVelocityResult of a panel: of a pack with V50, of one ply scanned where outcomes
-    mix."""
-    from weavecell.studies import limit, pack_limit
-    from weavecell.studies.limit_scan import ScanRange
-
-    about: dict[str, Any] = {"scan": ScanRange(), "only_mixed": True}
-    if panel.setup.plies > 1:
-        about = {"scan": None, "v50_shots": pack_limit.SHOTS}
-    study = limit.search(panel.setup, tolerance=width, **about, **run.runs)
-    report(1, 1)
-    return CriticalVelocityResult(
-        panel, study.limit, study.fit, scan=study.scan, wall_time=run.wall_time
-    )
 
 
 def _range_of_difference(panels, width, report, runs):

@@ -22,7 +22,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,7 +40,9 @@ from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
+from weavecell.api.command import Plan, Running, command
 from weavecell.api.result import Result, figure
+from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
@@ -67,15 +70,84 @@ NAMES = (
 _CODE = "shellfabric.coupon.quasistatic", "shellfabric.coupon.pull_out"
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class CouponPlan(Plan["CouponResult | PullOutResult"]):
+    """A test on a piece of fabric that is about to be computed.
+
+    Parameters
+    ----------
+    case : Case of the test
+    text, file : of the input; "" and None of a fabric with keywords
+    """
+
+    files = (*NAMES, out_folder.CHECKPOINTS)
+    runs = ""
+
+    case: Case
+    text: str
+    file: Path | None
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """The fabric, its laws and what is done to it."""
+        unseen = {"title": True, "run": {"outputs"}}
+        return [(self.case.fabric, self.case.laws, self.case.scene.model_dump(exclude=unseen))]
+
+    def key(self) -> str:
+        """Return the digest of input and code."""
+        case = self.case
+        return run_cache.key((self.text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
+
+    def finished(self, folder: Path) -> Any:
+        """Return the `run_folder.Finished` of this very test that a folder holds; None without."""
+        return run_folder.find_finished(folder, NAMES, self.key())
+
+    @contextmanager
+    def name_problems(self) -> Iterator[None]:
+        """Name the input file and its key in an InputError that is raised inside this block."""
+        try:
+            yield
+        except InputError as problem:
+            if self.file is None:
+                raise
+            scene = self.case.scene
+            tables = {"fabric": type(scene.fabric), scene.test: type(scene.test_table)}
+            raise build.name_file(problem, self.file, tables) from None
+
+    def forecast(self) -> WorkSize:
+        """Count the load steps."""
+        scene = self.case.scene
+        amounts = {"load steps": scene.run.steps}
+        if scene.test == "pull_out":
+            amounts = {"yarns crossed": scene.pull_out.crossings}
+        _table(self.case)
+        return WorkSize(_title(self.case), amounts, tuple(assumed.lines(self.case.fabric)))
+
+    def run(self, running: Running) -> CouponResult | PullOutResult:
+        """Compute it, and write it; only then its checkpoint is no longer needed."""
+        checkpoint = running.folder and running.folder / "checkpoint.h5"
+        compute = _relax
+        if self.case.scene.test == "pull_out":
+            compute = _pull_out
+        resume = running.how.resume
+        result, running.failure = compute(self.case, self.text, checkpoint, resume)
+        if running.folder is not None:
+            with progress.bar("Writing results"):
+                running.save(result)
+            checkpoint.unlink(missing_ok=True)
+        return result
+
+
+@command(CouponPlan)
 def coupon(
     target: Fabric | FilePath,
     test: str | None = None,
     *,
+    check: bool = False,
     out: FilePath | None = None,
     resume: bool = False,
     **options: Any,
-) -> CouponResult | PullOutResult:
+) -> CouponPlan:
     """Test a piece of fabric: bias extension, picture frame, uniaxial or biaxial tension, or a yarn
     pull-out.
 
@@ -86,6 +158,7 @@ def coupon(
     ----------
     target : input file of a coupon; in Python also a fabric
     test : of a fabric: "bias_extension", "picture_frame", "uniaxial", "biaxial" or "pull_out"
+    check : compute nothing and write nothing: count the load steps
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run
         of another version of the code is refused
@@ -122,37 +195,7 @@ def coupon(
         text = ""
         file = None
     quantities.note(scenes.list_numbers(case.scene, case.fabric), file)
-    key = run_cache.key((text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
-    if out is not None and resume and (before := run_folder.find_finished(Path(out), NAMES, key)):
-        return before  # type: ignore[return-value]
-    inputs = (
-        case.fabric,
-        case.laws,
-        case.scene.model_dump(exclude={"title": True, "run": {"outputs"}}),
-    )
-    names = (*NAMES, out_folder.CHECKPOINTS)
-    with out_folder.hold(out, names, resume, [inputs], lambda: key) as folder:
-        checkpoint = folder and folder / "checkpoint.h5"
-        try:
-            run = _relax
-            if case.scene.test == "pull_out":
-                run = _pull_out
-            result, failure = run(case, text, checkpoint, resume)
-        except InputError as problem:
-            if file is None:
-                raise
-            scene = case.scene
-            tables = {"fabric": type(scene.fabric), scene.test: type(scene.test_table)}
-            raise build.name_file(problem, file, tables) from None
-        if folder is not None:
-            with progress.bar("Writing results"):
-                result.save(folder)
-            (folder / "checkpoint.h5").unlink(missing_ok=True)
-    if failure is not None:
-        failure.result = result
-        raise failure
-    result.warn()
-    return result
+    return CouponPlan(case, text, file)
 
 
 def _case(target, test, options):

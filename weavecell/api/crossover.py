@@ -16,7 +16,8 @@ Examples
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Literal, Unpack
 
 from fabrics import assumed, plausible
@@ -25,11 +26,12 @@ from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
+from weavecell.api.command import Plan, Running, command
 from weavecell.api.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.meshes import Sections
-from weavecell.api.result import save_to
-from weavecell.results import out_folder, progress
+from weavecell.api.run_size import WorkSize
+from weavecell.results import progress
 
 FAMILIES = ("warp", "weft")
 
@@ -50,7 +52,53 @@ class CaseKeywords(Sections, total=False):
     out: FilePath | None
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class CasePlan(Plan["CrossoverResult"]):
+    """A case that is about to be solved.
+
+    Parameters
+    ----------
+    fabric : Fabric, with what a 3D crossover needs
+    case : one of `CASES`
+    solve : function of `unitcell3d.cases`: (mesh, fabric, hooks=, and the options) -> Record
+    options : of `solve`
+    domain : "quarter", "whole" or "periodic"
+    mesh : as it was given
+    shape : options of `meshes.build`
+    """
+
+    files = NAMES
+    runs = ""
+
+    fabric: Fabric
+    case: str
+    solve: Callable[..., Any]
+    options: dict[str, Any]
+    domain: str
+    mesh: Any
+    shape: dict[str, Any]
+
+    def forecast(self) -> WorkSize:
+        """Count hexahedra and nodes; what cannot be meshed is refused."""
+        built = meshes.build(self.fabric, self.domain, **self.shape)
+        return meshes.size_of_mesh(f"{self.fabric.name}, {self.case}", built)
+
+    def run(self, running: Running) -> CrossoverResult:
+        """Mesh the crossover and solve the case on it; what it had computed is kept of one that finds no
+        equilibrium."""
+        built = meshes.build(self.fabric, self.domain, **self.shape)
+        with progress.bar(f"{self.fabric.name}, {self.case}") as advance:
+            hooks = [lambda share, row: advance(share)]
+            record = self.solve(built, fabric=self.fabric, hooks=hooks, **self.options)
+        numbers = CASES[self.case].summary(self.fabric, record)
+        size = str(self.mesh).strip("()")
+        result = CrossoverResult(self.fabric, self.case, built, record, self.domain, size, numbers)
+        if record.failed:
+            running.failure = UnstableError(record.failed, result=result)
+        return running.save(result)
+
+
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def yarn(
     fabric: Fabric | FilePath,
@@ -60,8 +108,9 @@ def yarn(
     failure: bool = False,
     reduced_integration: bool = False,
     domain: Literal["quarter", "whole"] = "quarter",
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Pull one yarn straight.
 
     Parameters
@@ -72,6 +121,7 @@ def yarn(
     failure : let fibres fail at their failure strain
     reduced_integration : one integration point, to see the zero-energy modes
     domain : a quarter of the crossover, by symmetry, or the whole
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -87,18 +137,19 @@ def yarn(
     if reduced_integration:
         options["integration"] = solid_law.ONE_POINT
     _check(domain, "quarter", "whole")
-    return _solve_and_save("yarn", single_yarn.pull, options, fabric, domain, shared)
+    return _plan("yarn", single_yarn.pull, options, fabric, domain, shared)
 
 
-@out_folder.reading
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def platens(
     fabric: Fabric | FilePath,
     *,
     pressure: float | str | None = None,
     friction: float = 0.0,
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Press one ply between platens.
 
     Parameters
@@ -106,6 +157,7 @@ def platens(
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     pressure : pressure at the end [Pa]; the highest of the thesis if not given
     friction : Coulomb's coefficient between the yarns
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -117,7 +169,7 @@ def platens(
     return _press_plies("platens", 1, fabric, pressure, friction, shared)
 
 
-@out_folder.reading
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def stack(
     fabric: Fabric | FilePath,
@@ -125,8 +177,9 @@ def stack(
     plies: int = 2,
     pressure: float | str | None = None,
     friction: float = 0.0,
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Press several plies between platens.
 
     Parameters
@@ -135,6 +188,7 @@ def stack(
     plies : number of plies
     pressure : pressure at the end [Pa]; the highest of the thesis if not given
     friction : Coulomb's coefficient between the yarns
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -154,10 +208,10 @@ def _press_plies(case, plies, fabric, pressure, friction, shared):
     options = {"plies": plies, "numerics": _numerics(friction)}
     if pressure is not None:
         options["pressure"] = quantities.number(pressure, "Pa", "pressure")
-    return _solve_and_save(case, stack.stack_compression, options, fabric, "quarter", shared)
+    return _plan(case, stack.stack_compression, options, fabric, "quarter", shared)
 
 
-@out_folder.reading
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def biaxial(
     fabric: Fabric | FilePath,
@@ -166,8 +220,9 @@ def biaxial(
     failure: bool = False,
     friction: float = 0.0,
     domain: Literal["whole", "periodic"] = "whole",
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Stretch warp and weft.
 
     Parameters
@@ -177,6 +232,7 @@ def biaxial(
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -193,10 +249,10 @@ def biaxial(
         raise InputError(key="end_displacement", value=end_displacement, allowed=allowed)
     options = {"d": ends, "failure": failure, "numerics": _numerics(friction)}
     _check(domain, "whole", "periodic")
-    return _solve_and_save("biaxial", periodic_cell.biaxial, options, fabric, domain, shared)
+    return _plan("biaxial", periodic_cell.biaxial, options, fabric, domain, shared)
 
 
-@out_folder.reading
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def path(
     fabric: Fabric | FilePath,
@@ -205,8 +261,9 @@ def path(
     failure: bool = False,
     friction: float = 0.0,
     domain: Literal["quarter", "whole"] = "quarter",
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Take the yarn ends along a path.
 
     Parameters
@@ -216,6 +273,7 @@ def path(
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : a quarter of the crossover, by symmetry, or the whole
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -229,10 +287,10 @@ def path(
     corners = load_path.read(path)
     options = {"corners": corners, "failure": failure, "numerics": _numerics(friction)}
     _check(domain, "quarter", "whole")
-    return _solve_and_save("path", load_path.along, options, fabric, domain, shared)
+    return _plan("path", load_path.along, options, fabric, domain, shared)
 
 
-@out_folder.reading
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def shear(
     fabric: Fabric | FilePath,
@@ -242,8 +300,9 @@ def shear(
     failure: bool = False,
     friction: float = 0.0,
     domain: Literal["whole", "periodic"] = "whole",
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Shear the weave, which may be stretched before.
 
     Parameters
@@ -255,6 +314,7 @@ def shear(
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : the whole crossover, or a periodic cell of 2 x 2 yarns
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -276,10 +336,10 @@ def shear(
         "numerics": _numerics(friction),
     }
     _check(domain, "whole", "periodic")
-    return _solve_and_save("shear", periodic_cell.shear, options, fabric, domain, shared)
+    return _plan("shear", periodic_cell.shear, options, fabric, domain, shared)
 
 
-@out_folder.reading
+@command(CasePlan)
 @explain_keywords(CaseKeywords)
 def pull_out(
     fabric: Fabric | FilePath,
@@ -289,8 +349,9 @@ def pull_out(
     pressure: float | str | list[float] | None = None,
     pull: float | str | None = None,
     friction: float | None = None,
+    check: bool = False,
     **shared: Unpack[CaseKeywords],
-) -> CrossoverResult:
+) -> CasePlan:
     """Pull one yarn along its axis until it slides.
 
     The yarns are pressed together by end displacements of the crossing yarn, or by platens.
@@ -305,6 +366,7 @@ def pull_out(
     pull : displacement of the yarn along its axis [m]; as far as it takes to slide if not given
     friction : Coulomb's coefficient between the yarns; assumed by fibre family if not given, 0.2 of
         para-aramid
+    check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
     Raises
@@ -342,7 +404,7 @@ def pull_out(
             displacements = case.displacements(fabric, family)
         return case.pull_out(built, fabric, displacements, **more)
 
-    return _solve_and_save("pull-out", solve, options, fabric, "whole", shared)
+    return _plan("pull-out", solve, options, fabric, "whole", shared)
 
 
 def _family(yarn: str) -> int:
@@ -377,37 +439,20 @@ def _list_numbers(options, fabric):
             yield plausible.Number("end_displacement", "end_displacement", abs(end) / half)
 
 
-def _solve_and_save(
+def _plan(
     case: str,
     solve: Callable[..., Any],
     options: dict[str, Any],
     fabric: Fabric | FilePath,
     domain: str,
-    shared: CaseKeywords,
-) -> CrossoverResult:
-    """Mesh the crossover, solve the case on it, and write the result.
-
-    Parameters
-    ----------
-    case : one of `CASES`
-    solve : function of `unitcell3d.cases`: (mesh, fabric, hooks=, and the options) -> Record
-    """
-    sections: dict[str, Any] = dict(shared)
-    out = sections.pop("out", None)
+    shared: Mapping[str, Any],
+) -> CasePlan:
+    """Return the plan of a case, with what all cases share."""
+    sections = dict(shared)
     mesh = sections.pop("mesh", "coarse")
     shape = meshes.options_of(sections, Sections)
     fabric = meshes.resolve_fabric_for_3d(fabric)
     quantities.note(_list_numbers(options, fabric))
-    with out_folder.hold(out, NAMES) as folder:
-        built = meshes.build(fabric, domain, size=meshes.size(mesh), **shape)
-        with progress.bar(f"{fabric.name}, {case}") as advance:
-            hooks = [lambda share, row: advance(share)]
-            record = solve(built, fabric=fabric, hooks=hooks, **options)
-        numbers = CASES[case].summary(fabric, record)
-        size = str(mesh).strip("()")
-        result = CrossoverResult(fabric, case, built, record, domain, size, numbers)
-        save_to(result, folder)
-    if record.failed:
-        raise UnstableError(record.failed, result=result)
-    result.warn()
-    return result
+    return CasePlan(
+        fabric, case, solve, options, domain, mesh, {"size": meshes.size(mesh), **shape}
+    )

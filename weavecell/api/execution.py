@@ -97,31 +97,19 @@ class Execution:
             raise InputError(key="executor", value=self.executor, allowed=allowed)
 
     @classmethod
-    def from_options(cls, function: str, options: Mapping[str, Any]) -> Execution:
-        """Read the Execution of a function whose `**options` are `ResumableKeywords` alone.
+    def refuse_others(cls, function: str, options: Mapping[str, Any]) -> None:
+        """Refuse keywords of a function whose `**options` are `ResumableKeywords` alone.
 
         Raises
         ------
-        InputError : another keyword
+        InputError : any keyword, since `api.command` has taken those of `ResumableKeywords`
         """
-        for key in options:
-            if key not in cls.__dataclass_fields__:
-                near = nearest(key, cls.__dataclass_fields__, 0.6)
-                hint = f", did you mean {near}?" if near else ""
-                names = ", ".join(cls.__dataclass_fields__)
-                message = f"is not a keyword of {function}{hint or ';'} allowed here: {names}"
-                raise InputError(message, key=key, value=options[key])
-        return cls(**options)
-
-    @classmethod
-    def split(
-        cls, options: Any, kind: type = ResumableKeywords
-    ) -> tuple[Execution, dict[str, Any]]:
-        """Take the keywords of `kind` out of those of a study: (of these the Execution, the
-        others)."""
-        others = dict(options)
-        own = {key: others.pop(key) for key in kind.__annotations__ if key in options}
-        return cls(**own), others
+        for key, value in options.items():
+            near = nearest(key, cls.__dataclass_fields__, 0.6)
+            hint = f", did you mean {near}?" if near else ""
+            names = ", ".join(cls.__dataclass_fields__)
+            message = f"is not a keyword of {function}{hint or ';'} allowed here: {names}"
+            raise InputError(message, key=key, value=value)
 
     @property
     def pool(self) -> dict[str, Any]:

@@ -144,7 +144,7 @@ def reduce_tests(
     tests: FilePath,
     target: Fabric | FilePath | ImpactSetup | None = None,
     *,
-    tolerance: float | str = "1 m/s",
+    tolerance: float | str | None = None,
     check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
 ) -> Plan[TestsBesideShots | TestsResult]:
@@ -172,7 +172,7 @@ def reduce_tests(
     target : input file of a ply or pack, or name of a fabric or its file; in Python also a set-up
         or a Fabric.
         Left out, the tests alone are reduced
-    tolerance : highest stop and lowest perforation differ by this at most [m/s]
+    tolerance : highest stop and lowest perforation differ by this at most [m/s]; if not given 1 m/s
     check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
@@ -194,14 +194,20 @@ def reduce_tests(
     2
     """
     from weavecell.studies import laboratory_tests as studies
+    from weavecell.studies import strengths
 
-    width = quantities.read_positive(tolerance, "m/s", "tolerance")
+    width = 1.0
+    if tolerance is not None:
+        width = quantities.read_positive(tolerance, "m/s", "tolerance")
     fired = studies.read(tests)
     if target is None:
         for key in options:
             raise InputError(key=key, allowed="left out if nothing is shot at")
+        quantities.refuse_unused({"tolerance": tolerance}, "if nothing is shot at")
         return ReductionPlan(fired, str(tests))
     panel = resolve_target(target, options, honoured.LIMITS, function="reduce_tests")
+    with panel.name_problems():
+        strengths.require_failure(panel.setup, limits.NO_LIMIT)
     return BesideShotsPlan(panel, fired, str(tests), width)
 
 

@@ -74,6 +74,7 @@ LOOK_OF = {
     "perforated": {"color": RED, "mec": "white"},
     "stopped": {"mfc": "white", "mec": GREEN, "mew": 1.8},
 }
+NO_LIMIT = "a panel whose yarns do not fail has no limit"
 # shots beside the bracket that look for mixed outcomes, at most
 LOOKS = 2
 NAMES = (
@@ -97,7 +98,7 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     scan : ScanRange, or None
     only_mixed : whether it is scanned only where outcomes mix
     over : what is changed for the range over what is assumed; None without one
-    assumed_range : as it was asked for
+    assumed_range : as it was asked for; False where nothing is assumed
     """
 
     files = NAMES
@@ -222,9 +223,9 @@ def critical_velocity(
     v50_shots: int | None = None,
     residual_shots: int | None = None,
     scan: bool | None = None,
-    scan_above: float | str = "25 %",
-    scan_below: float | str = "10 %",
-    scan_step: float | str = "2 %",
+    scan_above: float | str | None = None,
+    scan_below: float | str | None = None,
+    scan_step: float | str | None = None,
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
@@ -263,9 +264,10 @@ def critical_velocity(
         not given 2, and 0 where there are `v50_shots`; 8 make its intervals narrow
     scan : scan the velocities about the bracket for mixed outcomes: always, or never; if not given
         where the shots of the search have some
-    scan_above : range above the highest stop that is scanned for further stops
-    scan_below : range below the lowest perforation that is scanned for others
-    scan_step : interval between shots of the scan
+    scan_above : range above the highest stop that is scanned for further stops; if not given 25 %.
+        This and the next two are refused where nothing is scanned
+    scan_below : range below the lowest perforation that is scanned for others; if not given 10 %
+    scan_step : interval between shots of the scan; if not given 2 %
     assumed_range : repeat the search with both ends of each assumption on fabrics and set-up. Without
         this option a command does so if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
@@ -288,22 +290,24 @@ def critical_velocity(
     (70.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import choice, pack_limit
+    from weavecell.studies import choice, pack_limit, strengths
     from weavecell.studies.limit_scan import ScanRange
 
     width = None
     if tolerance is not None:
         width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    shares = {"above": scan_above, "below": scan_below, "step": scan_step}
+    given = {"above": scan_above, "below": scan_below, "step": scan_step}
+    shares = {key: value for key, value in given.items() if value is not None}
     numbers = {key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
-    # the range of a scan is checked even if none is wanted
-    with keywords.name_as_keyword("scan", shares):
+    with keywords.name_as_keyword("scan", given):
         around: ScanRange | None = ScanRange(**numbers)
     if residual_shots is not None:
         residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
     if v50_shots is not None:
         v50_shots = quantities.read_whole(v50_shots, "v50_shots", 0)
     panel = resolve_target(target, options, honoured.LIMITS, function="critical_velocity")
+    with panel.name_problems():
+        strengths.require_failure(panel.setup, NO_LIMIT)
     pack = panel.setup.plies > 1
     if v50_shots is None:
         v50_shots = pack_limit.SHOTS if pack and scan is not True else 0
@@ -312,7 +316,11 @@ def critical_velocity(
     # mixed outcomes are part of the scatter that the interval of V50 holds
     if scan is False or (v50_shots and scan is None):
         around = None
+        unused = {f"scan_{key}": value for key, value in shares.items()}
+        quantities.refuse_unused(unused, f"without a scan, which {option('scan')} makes")
     over = ranges.with_ends(panel.setup, assumed_range)
+    if over is None:
+        assumed_range = False
     if panel.setup.instead is not None:
         with panel.name_problems():
             # what resolved yarns do not have is refused first

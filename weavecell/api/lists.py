@@ -462,7 +462,7 @@ def new_shot(file: FilePath) -> None:
     Examples
     --------
     >>> wc.new_shot("shot.toml")
-    >>> print(wc.size_of("shot.toml"))  # doctest: +ELLIPSIS
+    >>> print(wc.impact("shot.toml", check=True))  # doctest: +ELLIPSIS
     my first shot: nothing is run...
     """
     path = _new_toml(file)

@@ -22,7 +22,9 @@ from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
-from weavecell.api.result import Result, save_to
+from weavecell.api.command import Plan, Running, command
+from weavecell.api.result import Result
+from weavecell.api.run_size import WorkSize
 from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
@@ -70,7 +72,53 @@ class Geometry(Sections, total=False):
     end_shells: float | str | None
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class MeshPlan(Plan["MeshResult"]):
+    """A mesh that is about to be made.
+
+    Parameters
+    ----------
+    fabric : Fabric
+    domain : "quarter", "whole" or "periodic"
+    count : (warp, weft) yarns of a patch, or None
+    options : of `build`
+    formats : suffixes of the files
+    """
+
+    runs = ""
+
+    fabric: Fabric
+    domain: str
+    count: Sequence[int] | None
+    options: dict[str, Any]
+    formats: tuple[str, ...]
+
+    @property
+    def files(self) -> list[str]:  # type: ignore[override]
+        """The names of what is written."""
+        stem = "crossover"
+        if self.count is not None or self.domain == "periodic":
+            stem = "patch"
+        return names_of(stem, self.formats)
+
+    def _build(self):
+        return build(self.fabric, self.domain, self.count, **self.options)
+
+    def forecast(self) -> WorkSize:
+        """Count hexahedra and nodes of the mesh, which is made: what cannot be meshed is refused."""
+        return size_of_mesh(f"{self.fabric.name}, mesh", self._build())
+
+    def run(self, running: Running) -> MeshResult:
+        """Mesh."""
+        return running.save(MeshResult(self.fabric, self._build(), self.formats))
+
+
+def size_of_mesh(title: str, mesh: Any, **amounts: int) -> WorkSize:
+    """Return the WorkSize of what is computed on a mesh."""
+    return WorkSize(title, {"hexahedra": len(mesh.hexes), "nodes": len(mesh.points), **amounts})
+
+
+@command(MeshPlan)
 def mesh(
     fabric: Fabric | FilePath,
     *,
@@ -78,9 +126,10 @@ def mesh(
     domain: Literal["quarter", "whole", "periodic"] | None = None,
     patch: str | Sequence[int] | None = None,
     format: str = "msh,vtu",
+    check: bool = False,
     out: FilePath | None = None,
     **geometry: Unpack[Geometry],
-) -> MeshResult:
+) -> MeshPlan:
     """Mesh a crossover or a woven patch in hexahedra, with a picture of it and one of its quality.
 
     A gmsh mesh (msh), the geometry itself as a gmsh script (geo), ParaView (vtu), LS-DYNA (k),
@@ -94,6 +143,7 @@ def mesh(
     domain : quarter by symmetry (default), one whole crossover, or a periodic cell of 2 x 2 yarns
     patch : a woven patch of N warp and M weft yarns instead, NxM
     format : files to write, separated by commas: msh, geo, vtu, k, inp, rad
+    check : mesh, and write nothing: say how many hexahedra it has
     out : folder of the results; in Python None writes nothing
     **geometry : geometry of what is meshed, if not that of the fabric
 
@@ -126,12 +176,7 @@ def mesh(
     count = None
     if patch is not None:
         count = _count(patch)
-    stem = "crossover"
-    if patch is not None or domain == "periodic":
-        stem = "patch"
-    with out_folder.hold(out, names_of(stem, formats)) as folder:
-        built = build(fabric, domain or "quarter", count, **options)
-        return save_to(MeshResult(fabric, built, tuple(dict.fromkeys(formats))), folder)
+    return MeshPlan(fabric, domain or "quarter", count, options, tuple(dict.fromkeys(formats)))
 
 
 def names_of(stem: str, formats: Sequence[str]) -> list[str]:

@@ -22,8 +22,8 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
+from weavecell.api.command import Plan, Running, command
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import save_to
 from weavecell.api.run_size import SizeOfPatch
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions, resolve_target
@@ -42,7 +42,38 @@ WORDS = {"pinned": "pinned crossovers", "yarns": "resolved yarns", "solids": "so
 ROWS = 51
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class PatchPlan(Plan["PatchResult"]):
+    """A patch that is about to be struck.
+
+    Parameters
+    ----------
+    target : Target
+    patch : `weavecell.studies.small_patch.SmallPatch`
+    """
+
+    files = NAMES
+    runs = ""
+
+    target: Target
+    patch: SmallPatch
+
+    def forecast(self) -> SizeOfPatch:
+        """Forecast hexahedra and CPU time."""
+        return SizeOfPatch.estimate(self.patch, self.target.shot_title)
+
+    def run(self, running: Running) -> PatchResult:
+        """Strike it in each model."""
+        from weavecell.studies import small_patch
+
+        done = []
+        for model, strike in zip(small_patch.MODELS, self.patch.strike()):
+            with progress.bar(f"Patch of {WORDS[model]}"):
+                done.append(strike())
+        return running.save(PatchResult(self.target, self.patch, tuple(done)))
+
+
+@command(PatchPlan)
 @explain_keywords(Keywords)
 def patch(
     target: Fabric | FilePath | ImpactSetup | None,
@@ -55,7 +86,7 @@ def patch(
     check: bool = False,
     out: FilePath | None = None,
     **options: Unpack[Keywords],
-) -> PatchResult | SizeOfPatch:
+) -> PatchPlan:
     """Ask whether crossovers may be pinned for a nose: strike one small patch in three models.
 
     Pinned crossovers, resolved yarns, and woven solid yarns, which neither of the other two was
@@ -105,14 +136,7 @@ def patch(
         count = max(small_patch.fewest_crossings(panel.setup), 12)
     with panel.name_problems():
         chosen = small_patch.SmallPatch(panel.setup, count, struck, size, seconds)
-    if check:
-        return SizeOfPatch.estimate(chosen, panel.shot_title)
-    with out_folder.hold(out, NAMES) as folder:
-        done = []
-        for model, strike in zip(small_patch.MODELS, chosen.strike()):
-            with progress.bar(f"Patch of {WORDS[model]}"), panel.name_problems():
-                done.append(strike())
-        return save_to(PatchResult(panel, chosen, tuple(done)), folder)
+    return PatchPlan(panel, chosen)
 
 
 @dataclass(frozen=True, repr=False)

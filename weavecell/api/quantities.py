@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import isfinite
 from numbers import Integral
 from typing import Any
@@ -108,3 +108,21 @@ def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tup
             key=key, value=value, allowed=f"one value, or two separated by a comma, {what}"
         )
     return values[0], values[-1]
+
+
+def refuse_unused(options: Mapping[str, Any], where: str) -> None:
+    """Refuse options that are given and would change nothing.
+
+    Parameters
+    ----------
+    options : {name: value}, None of what is not given
+    where : where they have no effect, in words
+
+    Raises
+    ------
+    InputError
+    """
+    for key, value in options.items():
+        if value is not None:
+            allowed = f"left out {where}: it changes nothing there"
+            raise InputError(key=key, value=value, allowed=allowed)

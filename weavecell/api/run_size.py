@@ -16,17 +16,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, log2
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.base.checks import FilePath
-from fabrics.base.door import option
-from fabrics.fabric import Fabric
-from weavecell.api.keywords import Keywords, explain_keywords
+from fabrics import assumed
+from fabrics.base.door import in_terminal, option
 from weavecell.api.result import Result
-from weavecell.api.target import list_assumptions, resolve_target
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -50,41 +46,6 @@ GROWTH = (
     "elements; threads share the plies of a pack"
 )
 SPREAD = "spread the shots over processes, or by dask and mpi over machines, to the same results"
-
-
-@explain_keywords(Keywords)
-def size_of(
-    target: Fabric | FilePath | ImpactSetup | None,
-    velocity: float | str | None = None,
-    *,
-    written: bool = True,
-    **options: Unpack[Keywords],
-) -> RunSize:
-    """Forecast elements, steps, memory and CPU time of an impact, and name what is assumed; nothing is
-    run or written.
-
-    Parameters
-    ----------
-    target : input file of a ply or pack, a fabric, or a set-up of `setup`
-    velocity : of a fabric, [m/s] of the strike
-    written : whether the run is to write its files and pictures, which take memory
-    **options : beside a fabric, keywords of `setup`
-
-    Raises
-    ------
-    InputError : as `impact`
-
-    Examples
-    --------
-    >>> wc.size_of("S-720", "150 m/s", opening="20 mm", end_time="10 us").elements
-    441
-    """
-    resolved = resolve_target(
-        target, options, honoured.IMPACT, velocity, function="size_of", one_shot=True
-    )
-    with resolved.name_problems():
-        lines = list_assumptions(resolved.setup)
-        return RunSize.estimate(resolved.setup, resolved.shot_title, lines, written=written)
 
 
 def shots_of_a_search(setup: ImpactSetup, tolerance: float = WIDTH) -> int:
@@ -128,11 +89,12 @@ class RunSize(_Size):
     steps, time_step : number at most, and length [s]
     memory : [bytes]
     cpu_time : (lowest, highest) [s] if the run goes on to its end time
-    assumed : lines that name what is assumed
+    notes : lines on resolved yarns: what is assumed of them, and why they are resolved
+    of_fabrics : lines that name what is assumed of the fabrics
 
     Examples
     --------
-    >>> size = wc.size_of("S-720", "150 m/s", opening="20 mm", end_time="10 us")
+    >>> size = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
     >>> size.elements, size.steps
     (441, 220)
     """
@@ -144,16 +106,23 @@ class RunSize(_Size):
     time_step: float
     memory: float
     cpu_time: tuple[float, float]
-    assumed: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    of_fabrics: tuple[str, ...] = ()
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """All lines that name what is assumed."""
+        return (*self.notes, *self.of_fabrics)
 
     @classmethod
     def estimate(
-        cls, setup: ImpactSetup, title: str, assumed: tuple[str, ...], written: bool = True
+        cls, setup: ImpactSetup, title: str, notes: tuple[str, ...] = (), written: bool = True
     ) -> RunSize:
         """Estimate the size of a run of a set-up, which is checked as its run does.
 
         Parameters
         ----------
+        notes : lines on resolved yarns
         written : whether pictures and files are made of the results
 
         Raises
@@ -170,10 +139,10 @@ class RunSize(_Size):
             chosen = choice.choose(setup, setup.strike_velocity, ())
             if chosen.resolved:  # the friction of the yarns decides before the run
                 resolved = choice.with_resolved(setup)
-                return cls.estimate(resolved, title, (*assumed, str(chosen)), written)
+                return cls.estimate(resolved, title, (*notes, str(chosen)), written)
             again = cls.estimate(choice.with_resolved(setup), title, (), written)
             setup = choice.with_pinned(setup)
-            assumed = (*assumed, f"if the checks ask for resolved yarns, another {again.cost}")
+            notes = (*notes, f"if the checks ask for resolved yarns, another {again.cost}")
         pack = check_impact(setup, written=written)
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
@@ -184,8 +153,19 @@ class RunSize(_Size):
         costs = np.array([COSTS[kind], OF_A_BRICK, OF_A_CROSSING])
         low, high = steps * numbers @ costs
         needed = memory.needed(pack.plies, setup.snapshots, written=written)
-        step = pack.time_step
-        return cls(title, pack.elements, bricks, steps, step, needed, (low, high), assumed)
+        if setup.crossovers is not None:
+            notes = (*setup.crossovers.assumed_lines, *notes)
+        return cls(
+            title,
+            pack.elements,
+            bricks,
+            steps,
+            pack.time_step,
+            needed,
+            (low, high),
+            notes,
+            tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)),
+        )
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
@@ -210,7 +190,11 @@ class RunSize(_Size):
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
-        return "\n".join([*lines, *self.assumed])
+        lines += self.notes
+        # a command has printed the others as it read its file
+        if not in_terminal():
+            lines += self.of_fabrics
+        return "\n".join(lines)
 
 
 @dataclass(frozen=True, repr=False)
@@ -269,7 +253,7 @@ class StudySize(_Size):
         of_a_search = shots_of_a_search(setup, tolerance)
         shots += of_a_search * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
-        to_its_end = RunSize.estimate(setup, title, ()).cpu_time
+        to_its_end = RunSize.estimate(setup, title).cpu_time
         of_a_shot = crossing / setup.end_time
         low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
         of_range = of_a_search * max(searches - 1, 0) + repeats

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -15,14 +16,13 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import UnstableError
 from fabrics.fabric import Fabric
-from weavecell.api import quantities, study_run
-from weavecell.api.execution import Execution, ResumableKeywords, StudyKeywords
+from weavecell.api import quantities
+from weavecell.api.command import Plan, Running, command
+from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import save_to
 from weavecell.api.run_size import StudySize, shots_of_a_search
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
-from weavecell.results import out_folder
 from weavecell.results.left_out import brief_words
 from weavecell.scenes import honoured
 
@@ -33,13 +33,134 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.inputs import Scatter
     from weavecell.studies.v50 import Study
 
 
 NAMES = ("v50.json", "v50.csv", "shots.csv", "v50.png", *out_folder.INPUT, "report.html")
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class V50Plan(Plan["V50Result"]):
+    """Shots at drawn panels that are about to be fired.
+
+    Parameters
+    ----------
+    target : Target
+    scatter : `weavecell.studies.inputs.Scatter`
+    shots, batch, seed : number of shots, of those of a round, and of all random numbers
+    over : what is changed for the range over what is assumed; None without one
+    assumed_range : as it was asked for; False where nothing is assumed
+    """
+
+    files = NAMES
+
+    target: Target
+    scatter: Scatter
+    shots: int
+    batch: int
+    seed: int
+    over: ImpactSetup | None
+    assumed_range: bool | str
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """Set-up, scatter and seed: any number of its shots go on from the same ones."""
+        from weavecell.studies import inputs
+
+        fired_at = inputs.use_one_thread(self.target.setup, strike_velocity=1.0)
+        return [(fired_at, self.scatter, self.seed)]
+
+    def _count_range(self, over):
+        """(searches, shots) of the range over what is assumed."""
+        from weavecell.studies import assumed_range as ranges
+        from weavecell.studies import v50 as analysis
+
+        if over is None:
+            return 0, 0
+        repeats = 0
+        if self.assumed_range is True:
+            repeats = 2 * analysis.LARGEST + 2
+        return ranges.searches(over), self.shots * repeats
+
+    def forecast(self) -> StudySize:
+        """Forecast shots and CPU time."""
+        from weavecell.studies import choice
+        from weavecell.studies import v50 as analysis
+
+        setup = self.target.setup
+        searches, repeated = self._count_range(self.over)
+        # where the checks choose, pinned yarns come first
+        whole = replace(analysis.grade_mesh(choice.with_pinned(setup)), symmetry="whole")
+        fired = self.shots + repeated
+        size = StudySize.estimate(whole, self.target.title, fired, 1 + searches, repeated)
+        return size.with_choice(setup, self.shots)
+
+    def run(self, running: Running) -> V50Result:
+        """Fire at the yarns that the checks choose, and search the range over what is assumed."""
+        from weavecell.studies import v50 as analysis
+
+        with running.count(f"{self.target.title}, repeated shots") as part:
+            panel, over, chosen = self._choose_yarns(running)
+            study = analysis.study(
+                panel.setup,
+                self.scatter,
+                shots=self.shots,
+                batch=self.batch,
+                seed=self.seed,
+                report=part(),
+                **running.cache,
+            )
+            result = V50Result(study, panel, self.seed, self.batch, running.wall_time, chosen)
+            running.save(result)
+            if over is not None:
+                self._say_cost_of_range(panel, over, running)
+                ends = analysis.run_assumed_range(
+                    over,
+                    study,
+                    again=self.assumed_range is True,
+                    seed=self.seed,
+                    report=part(),
+                    **running.cache,
+                )
+                study = replace(study, assumed_range=ends)
+                result = replace(result, study=study, wall_time=running.wall_time)
+                running.save(result)
+        if study.failures:
+            left_out = f"{len(study.failures)} of {self.shots} shots are left out of all estimates"
+            running.failure = UnstableError(f"{left_out}: {study.failures[0]}", result=result)
+        return result
+
+    def _choose_yarns(self, running):
+        """(Target, what is changed for the range, words on the choice) of pinned or resolved yarns."""
+        from weavecell.studies import assumed_range as ranges
+        from weavecell.studies import choice
+        from weavecell.studies import v50 as analysis
+
+        panel = self.target
+        setup = panel.setup
+        if setup.instead is None:
+            return panel, self.over, ""
+        found = analysis.choose_yarns(
+            setup, self.scatter, batch=self.batch, seed=self.seed, **running.cache
+        )
+        fired_at = choice.with_pinned(setup)
+        if found.resolved:
+            fired_at = choice.with_resolved(setup)
+            cost = StudySize.estimate(fired_at, panel.title, self.shots, 1).cost
+            logging.getLogger("weavecell").info(f"{found}; {cost}")
+        over = ranges.with_ends(fired_at, self.assumed_range)
+        return replace(panel, setup=fired_at), over, str(found)
+
+    def _say_cost_of_range(self, panel, over, running):
+        searches, repeated = self._count_range(over)
+        of_a_search = shots_of_a_search(panel.setup)
+        share = (of_a_search * searches + repeated) / (of_a_search + self.shots)
+        cost = f"{searches} searches and {repeated} shots, about {share * running.wall_time:.2g} s"
+        logging.getLogger("weavecell").info(f"range over what is assumed: at most {cost}")
+
+
+@command(V50Plan)
 @explain_keywords(ResumableKeywords, Keywords)
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
@@ -53,7 +174,7 @@ def v50(
     crimp_cov: float | str | None = None,
     seed: int = 1,
     **options: Unpack[StudyKeywords],
-) -> V50Result:
+) -> V50Plan:
     """Find V0, V50 and V100 of a ply or pack whose yarns differ in strength, with intervals.
 
     Each shot hits a new panel, whose yarns have random strengths; it is always computed whole.
@@ -126,63 +247,18 @@ def v50(
         "batch": quantities.read_whole(batch, "batch", analysis.LEAST),
         "seed": quantities.read_whole(seed, "seed", 0),
     }
-    how, keys = Execution.split(options)
-    panel = resolve_target(target, keys, honoured.V50, function="v50")
+    panel = resolve_target(target, options, honoured.V50, function="v50")
     with panel.name_problems():
         strengths.check(panel.setup, scatter)
-    setup = panel.setup
-    over = ranges.with_ends(setup, assumed_range)
-    if setup.instead is not None:
+    over = ranges.with_ends(panel.setup, assumed_range)
+    if over is None:
+        assumed_range = False
+    if panel.setup.instead is not None:
         with panel.name_problems():
             # what resolved yarns do not have is refused first
-            choice.with_resolved(setup).target()
+            choice.with_resolved(panel.setup).target()
         over = None
-    searches = 0
-    repeats = 0
-    if over is not None:
-        searches = ranges.searches(over)
-        repeats = (2 * analysis.LARGEST + 2) * (assumed_range is True)
-    if check:
-        fired = shots * (1 + repeats)
-        # where the checks choose, pinned yarns come first
-        whole = replace(analysis.grade_mesh(choice.with_pinned(setup)), symmetry="whole")
-        size = StudySize.estimate(whole, panel.title, fired, 1 + searches, shots * repeats)
-        return size.with_choice(setup, shots)  # type: ignore[return-value]
-    drawn = inputs.use_one_thread(setup, strike_velocity=1.0), scatter, seed
-    chosen = ""
-    with study_run.begin_study(panel, f"{panel.title}, repeated shots", how, NAMES, drawn) as run:
-        if setup.instead is not None:
-            found = analysis.choose_yarns(
-                setup, scatter, batch=sizes["batch"], seed=seed, **run.runs
-            )
-            chosen = str(found)
-            fired_at = choice.with_pinned(setup)
-            if found.resolved:
-                fired_at = choice.with_resolved(setup)
-                cost = StudySize.estimate(fired_at, panel.title, shots, 1).cost
-                logging.getLogger("weavecell").info(f"{chosen}; {cost}")
-            panel = replace(panel, setup=fired_at)
-            over = ranges.with_ends(fired_at, assumed_range)
-        study = analysis.study(panel.setup, scatter, **sizes, report=run.report(), **run.runs)
-
-        def result_of(study):
-            return V50Result(study, panel, seed, batch, run.wall_time, chosen)
-
-        result = save_to(result_of(study), run.folder)
-        if over is not None:
-            of_a_search = shots_of_a_search(panel.setup)
-            share = (of_a_search * searches + shots * repeats) / (of_a_search + shots)
-            cost = f"{searches} searches and {shots * repeats} shots, about {share * run.wall_time:.2g} s"
-            logging.getLogger("weavecell").info(f"range over what is assumed: at most {cost}")
-            ends = analysis.run_assumed_range(
-                over, study, again=assumed_range is True, seed=seed, report=run.report(), **run.runs
-            )
-            study = replace(study, assumed_range=ends)
-            result = save_to(result_of(study), run.folder)
-    if study.failures:
-        message = f"{len(study.failures)} of {shots} shots are left out of all estimates: {study.failures[0]}"
-        raise UnstableError(message, result=result)
-    return result
+    return V50Plan(panel, scatter, **sizes, over=over, assumed_range=assumed_range)
 
 
 @dataclass(frozen=True, repr=False)

@@ -25,8 +25,8 @@ unstable.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
@@ -38,9 +38,10 @@ from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
 from fabrics.fabric import Fabric
-from weavecell.api import study_run
+from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure
+from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import installed
 from weavecell.results import keys, out_folder, progress, run_folder
@@ -65,7 +66,6 @@ if TYPE_CHECKING:
     from weavecell.report.page import Embedded
     from weavecell.results.result_folder import ResultFolder
     from weavecell.scenes.build import Case
-    from weavecell.scenes.impact import AccuracyTable
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
     from weavecell.studies.window import Window
@@ -84,7 +84,99 @@ NAMES = (
 )
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class ShotPlan(Plan["ShotResult"]):
+    """A shot that is about to be fired.
+
+    Parameters
+    ----------
+    target : Target
+    accuracy : (quantity, uncertainty that is asked of it) of [accuracy]; None without
+    uncertainty : whether a finer mesh is run too
+    over : what is changed for the range over what is assumed; None without one
+    assumed_range : as it was asked for; False where nothing is repeated
+    written : whether files and pictures are made, which take memory
+    """
+
+    files = (*NAMES, out_folder.CHECKPOINTS)
+    runs = ""
+
+    target: Target
+    accuracy: tuple[str, float] | None
+    uncertainty: bool
+    over: ImpactSetup | None
+    assumed_range: bool | str
+    written: bool
+
+    @property
+    def chooses(self) -> bool:
+        """Whether yarns are pinned or resolved by the checks."""
+        return self.target.setup.instead is not None and self.accuracy is None
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """The set-up."""
+        from weavecell.studies import inputs
+
+        return [inputs.use_one_thread(self.target.setup)]
+
+    def key(self) -> str:
+        """Return the digest of text, set-up, options and code."""
+        given = self.target.text, self.target.setup, self.assumed_range, self.uncertainty
+        return run_cache.key(given, "shellfabric.impact.run")
+
+    def finished(self, folder: Path) -> ShotResult | None:
+        """Return the result of this very shot that a folder holds; None without."""
+        if run_folder.find_finished(folder, NAMES, self.key()) is None:
+            return None
+        return ShotResult.read_folder(folder, self.target)
+
+    def forecast(self) -> RunSize:
+        """Forecast elements, steps, memory and CPU time of one shot, and name what is assumed."""
+        panel = self.target
+        return RunSize.estimate(panel.setup, panel.shot_title, written=self.written)
+
+    def run(self, running: Running) -> ShotResult:
+        """Fire, repeat the shot over what is assumed, and write all of it."""
+        from weavecell.studies import assumed_range as ranges
+
+        shooting = Shooting(self.target, running.folder, running.how.resume)
+        if self.accuracy is not None or self.uncertainty:
+            result, running.failure = shooting.compare_meshes(self.accuracy)
+        elif self.chooses:
+            result, running.failure = shooting.choose_yarns()
+        else:
+            result, running.failure = shooting.fire()
+        over = self.over
+        if self.chooses and self.target.setup.plies == 1:
+            # which yarns are shot at was not known before
+            over = ranges.with_ends(result.target.setup, self.assumed_range)
+        if over is not None and running.failure is None:
+            result = _with_range(result, over, running.folder)
+        if running.folder is not None:
+            self._save(result, running.folder)
+        return result
+
+    def _save(self, result, folder):
+        """Write the result; only then its checkpoints and finished shots are no longer needed."""
+        with progress.bar("Writing results"):
+            result.save(folder)
+        for checkpoint in run_folder.checkpoints(folder):
+            checkpoint.unlink()
+        for name in (WINDOW, RANGE):
+            run_cache.RunCache(folder / name).clear()
+
+    def give_up(self, running: Running, problem: BaseException) -> None:
+        """Say how an interrupted run goes on."""
+        if not isinstance(problem, KeyboardInterrupt):
+            return
+        message = "interrupted"
+        if running.folder is not None and run_folder.checkpoints(running.folder):
+            message += f"; {option('resume')} goes on from its last checkpoint"
+        raise run_folder.Interrupted(message) from None
+
+
+@command(ShotPlan)
 @explain_keywords(Keywords)
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
@@ -92,10 +184,11 @@ def impact(
     *,
     assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
+    check: bool = False,
     out: FilePath | None = None,
     resume: bool = False,
     **options: Unpack[Keywords],
-) -> ShotResult:
+) -> ShotPlan:
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An
@@ -111,13 +204,15 @@ def impact(
     velocity : of a fabric, [m/s] of the strike
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
         set-up; without this option a command does so if a law or the crimp is assumed; in Python
-        "laws" does
+        "laws" does. Refused of a pack and with [accuracy], which take too long for it
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
         a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
         its standard error
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run
         of another version of the code is refused
+    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
+        what is assumed
     **options : beside a fabric, keywords of `setup`
 
     Returns
@@ -143,11 +238,12 @@ def impact(
     )
     # bad input is told before the solver is loaded
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs
+    from weavecell.studies import choice
 
     accuracy = None
-    if panel.case is not None:
-        accuracy = panel.case.scene.accuracy
+    if panel.case is not None and panel.case.scene.accuracy is not None:
+        wanted = panel.case.scene.accuracy
+        accuracy = wanted.quantity, wanted.uncertainty
     if accuracy and uncertainty:
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
@@ -160,40 +256,25 @@ def impact(
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
-    # a digest of all inputs and code, which only a run with a folder needs
-    inputs_of_run = (panel.text, panel.setup, assumed_range, uncertainty)
-    key = partial(run_cache.key, inputs_of_run, "shellfabric.impact.run")
-    if out is not None and resume and run_folder.find_finished(Path(out), NAMES, key()):
-        return ShotResult.read_folder(Path(out), panel)
-    names = (*NAMES, out_folder.CHECKPOINTS)
-    with out_folder.hold(out, names, resume, [inputs.use_one_thread(panel.setup)], key) as folder:
+    over = ranges.with_ends(panel.setup, assumed_range)
+    # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
+    if panel.setup.plies > 1 or accuracy:
+        if assumed_range is True:
+            allowed = "left out of a pack and with [accuracy], since it takes a shot for each end"
+            raise InputError(key="assumed_range", allowed=allowed)
+        over = None
+    if over is None:
+        assumed_range = False
+    if panel.setup.instead is not None:
         with panel.name_problems():
-            shooting = _Shooting(panel, folder, resume)
-            result, failure = shooting.run(accuracy, uncertainty=uncertainty)
-            # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
-            if failure is None and accuracy is None and panel.setup.plies == 1:
-                assert result.target is not None  # a shot that is fired now has one
-                with_ends = ranges.with_ends(result.target.setup, assumed_range)
-                if with_ends is not None:
-                    result = _with_range(result, with_ends, folder)
-        if folder is not None:
-            with progress.bar("Writing results"):
-                result.save(folder)
-            # only now, when everything is written, is the state no longer needed
-            for checkpoint in run_folder.checkpoints(folder):
-                checkpoint.unlink()
-            for name in (WINDOW, RANGE):
-                run_cache.RunCache(folder / name).clear()
-    # the folder has what was computed until then
-    if failure is not None:
-        failure.result = result
-        raise failure
-    result.warn()
-    return result
+            # what resolved yarns do not have is refused first
+            choice.with_resolved(panel.setup).target()
+        over = None
+    return ShotPlan(panel, accuracy, uncertainty, over, assumed_range, out is not None)
 
 
 @dataclass(frozen=True)
-class _Shooting:
+class Shooting:
     """Shots at a target that make one result.
 
     Parameters
@@ -207,73 +288,56 @@ class _Shooting:
     folder: Path | None
     resume: bool
 
-    def run(
-        self, accuracy: AccuracyTable | None, *, uncertainty: bool
-    ) -> tuple[ShotResult, UnstableError | None]:
-        """Fire on one mesh, on a pair of meshes if their `uncertainty` is wanted, or on finer and
-        finer meshes until `accuracy` is met.
+    def fire(self) -> tuple[ShotResult, UnstableError | None]:
+        """Fire on one mesh.
 
         Returns
         -------
-        result, failure : of the mesh that counts; the UnstableError that ended its run, or None
-
-        Raises
-        ------
-        Interrupted : by the user
+        result, failure : of the shot; the UnstableError that ended its run, or None
         """
+        return self._result(self.shoot(self.target.setup), self.target)
+
+    def compare_meshes(
+        self, accuracy: tuple[str, float] | None
+    ) -> tuple[ShotResult, UnstableError | None]:
+        """Fire as `fire` on finer and finer meshes until `accuracy` is met, or on a pair of meshes
+        without one; the result is that of the mesh that counts."""
         from weavecell.studies import mesh_uncertainty
 
         setup = self.target.setup
-        target = self.target
-        pair = None
-        chosen = ""
-        try:
-            with interrupts():
-                if accuracy is not None:
-                    shot, pair = mesh_uncertainty.refine(
-                        setup, accuracy.quantity, accuracy.uncertainty, self.shoot_with_window
-                    )
-                elif uncertainty:
-                    shot, pair = mesh_uncertainty.run_pair(setup, self.shoot_with_window)
-                elif setup.instead is not None:
-                    shot, target, chosen = self.choose_yarns(setup)
-                else:
-                    shot = self.shoot(setup)
-        except KeyboardInterrupt:
-            raise self._interruption() from None
+        if accuracy is None:
+            shot, pair = mesh_uncertainty.run_pair(setup, self.shoot_with_window)
+        else:
+            shot, pair = mesh_uncertainty.refine(setup, *accuracy, self.shoot_with_window)
+        return self._result(shot, self.target, pair=pair)
+
+    def _result(self, shot, target, **more):
         message = str(shot.failure or "")
-        result = shot_of(target, shot.result, message, target=target, pair=pair, chosen=chosen)
-        return result, shot.failure
+        return shot_of(target, shot.result, message, target=target, **more), shot.failure
 
-    def choose_yarns(self, setup: ImpactSetup) -> tuple[Shot, Target, str]:
-        """Fire with resolved yarns if their friction may not hold them, which needs no run to be known;
-        else with pinned ones, and again with resolved ones if these unzip.
-
-        Returns
-        -------
-        the shot that counts, its target, and what was chosen, and why
-        """
-        from weavecell.api.run_size import RunSize
+    def choose_yarns(self) -> tuple[ShotResult, UnstableError | None]:
+        """Fire as `fire`, with resolved yarns if their friction may not hold them, which needs no run to be known;
+        else with pinned ones, and again with resolved ones if these unzip."""
         from weavecell.studies import choice
 
-        # what resolved yarns do not have is refused before the first shot
+        setup = self.target.setup
         resolved = choice.with_resolved(setup)
-        more = RunSize.estimate(resolved, self.target.shot_title, ())
+        more = RunSize.estimate(resolved, self.target.shot_title)
         chosen = choice.choose(setup, setup.strike_velocity, ())
         why = str(chosen)
         if not chosen.resolved:
             pinned = replace(self.target, setup=choice.with_pinned(setup))
             shot = self.shoot(pinned.setup)
             if shot.failure is not None:
-                return shot, pinned, ""
+                return self._result(shot, pinned)
             chosen = choice.choose(setup, setup.strike_velocity, shot.result.checks)
             if not chosen.resolved:
-                return shot, pinned, str(chosen)
+                return self._result(shot, pinned, chosen=str(chosen))
             left = f"{shot.result.residual_velocity:.1f} m/s"
             why = f"{chosen} (pinned yarns: {shot.result.outcome}, {left})"
         logging.getLogger("weavecell").info(f"{why}; {more.cost} at most")
         target = replace(self.target, setup=resolved)
-        return self.shoot(resolved, mesh="resolved yarns"), target, why
+        return self._result(self.shoot(resolved, mesh="resolved yarns"), target, chosen=why)
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.
@@ -291,7 +355,7 @@ class _Shooting:
         kept = checkpoint is not None
         table = table or setup.table(kept=kept)
         # refused before the run, not when memory ends in the middle of it
-        check_impact(setup, table, written=kept)
+        pack = check_impact(setup, table, written=kept)
         hooks: tuple[Checkpoints, ...] = ()
         again = None
         if checkpoint is not None:
@@ -301,7 +365,7 @@ class _Shooting:
                 again = checkpoint
 
         def run(hooks):
-            return run_impact(setup, hooks=hooks, resume=again, table=table)
+            return run_impact(setup, hooks=hooks, resume=again, table=table, target=pack)
 
         return Shot(*progress.run_with_bar(run, self.target.shot_title, hooks))
 
@@ -316,7 +380,7 @@ class _Shooting:
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
         with (
-            study_run.keep_runs(self.folder, True, WINDOW) as runs,
+            keep_runs(self.folder, True, WINDOW) as runs,
             progress.bar("Shots at other velocities") as advance,
         ):
 
@@ -334,13 +398,6 @@ class _Shooting:
         if mesh:
             name += f"-{mesh.replace(' ', '-')}"
         return self.folder / f"{name}.h5"
-
-    def _interruption(self):
-        """Return the error of a run that the user stops."""
-        message = "interrupted"
-        if self.folder is not None and run_folder.checkpoints(self.folder):
-            message += f"; {option('resume')} goes on from its last checkpoint"
-        return run_folder.Interrupted(message)
 
 
 def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> ShotResult:

@@ -11,6 +11,7 @@ The folder of `weavecell surface`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import sqrt
@@ -24,9 +25,11 @@ from fabrics.base.errors import InputError
 from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
+from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure
+from weavecell.api.run_size import WorkSize
 from weavecell.report import chapters, pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance
 from weavecell.studies.energy_map import map_energy
@@ -50,7 +53,77 @@ SHOWN = {
 NAMES = ("surface.h5", "surface.json", "pictures/*", "report.html")
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class SurfacePlan(Plan["SurfaceResult"]):
+    """A response surface that is about to be sampled.
+
+    Parameters
+    ----------
+    fabric : Fabric, with what a 3D crossover needs
+    mesh, size : as it was given, and as `meshing` takes it
+    d1, d2 : (lowest, highest) [m] end displacements
+    points, tolerance, friction : of `surface`
+    """
+
+    files = NAMES
+
+    fabric: Fabric
+    mesh: Any
+    size: Any
+    d1: tuple[float, float]
+    d2: tuple[float, float]
+    points: int
+    tolerance: float | None
+    friction: float
+
+    @property
+    def inputs(self) -> Sequence[object]:
+        """All of it, but how the mesh was given."""
+        spans = [self.d1, self.d2]
+        return [(self.fabric, spans, self.points, self.tolerance, self.size, self.friction)]
+
+    def forecast(self) -> WorkSize:
+        """Count hexahedra, nodes and the first lines."""
+        built = meshes.build(self.fabric, "quarter", size=self.size)
+        lines = 2 * self.points
+        return meshes.size_of_mesh(f"{self.fabric.name}, response surface", built, lines=lines)
+
+    def run(self, running: Running) -> SurfaceResult:
+        """Sample it; the finished lines are kept until it is written."""
+        from unitcell3d.identify import response_surface
+
+        stamp = provenance.stamp("")
+        with progress.bar(f"Response surface of {self.fabric.name}") as advance:
+            sampled = response_surface.sample(
+                self.fabric,
+                d1=self.d1,
+                d2=self.d2,
+                points=(self.points, self.points),
+                tolerance=self.tolerance,
+                size=self.size,
+                friction=self.friction,
+                folder=running.kept,
+                resume=running.how.resume,
+                **running.how.solver_pool,
+                on_progress=advance,
+                provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
+            )
+        settings = {
+            "fabric": self.fabric.name,
+            "mesh": self.mesh,
+            "friction": self.friction,
+            "d1_m": self.d1,
+            "d2_m": self.d2,
+            "lines": sampled.surface.T1.shape,
+            "tolerance": self.tolerance,
+        }
+        cell = _cell(self.fabric, sampled.surface)
+        result = running.save(SurfaceResult(self.fabric, sampled, settings, cell))
+        RunCache(running.runs).clear()
+        return result
+
+
+@command(SurfacePlan)
 @explain_keywords(ResumableKeywords)
 def surface(
     fabric: Fabric | FilePath,
@@ -61,8 +134,9 @@ def surface(
     points: int = 21,
     tolerance: float | None = None,
     friction: float = 0.0,
+    check: bool = False,
     **options: Unpack[ResumableKeywords],
-) -> SurfaceResult:
+) -> SurfacePlan:
     """Sample the response surface of the 3D crossover: tensions, contact force and heights over
     (d1, d2).
 
@@ -82,6 +156,7 @@ def surface(
     tolerance : refine until every line is interpolated from the others within this share of the
         largest force
     friction : Coulomb's coefficient between the yarns
+    check : solve nothing and write nothing: count lines and hexahedra
     **options : jobs, executor, out and resume
 
     Returns
@@ -101,43 +176,11 @@ def surface(
     """
     from unitcell3d.identify import response_surface
 
-    how = Execution.from_options("surface", options)
+    Execution.refuse_others("surface", options)
     fabric = meshes.resolve_fabric_for_3d(fabric)
-    stamp = provenance.stamp("")
-    span1 = _span(d1, "d1")
-    span2 = _span(d2, "d2")
-    size = meshes.size(mesh)
-    inputs = (fabric, [span1, span2], points, tolerance, size, friction)
-    with out_folder.hold(how.out, NAMES, how.resume, [inputs]) as folder:
-        with progress.bar(f"Response surface of {fabric.name}") as advance:
-            sampled = response_surface.sample(
-                fabric,
-                d1=span1,
-                d2=span2,
-                points=(points, points),
-                tolerance=tolerance,
-                size=size,
-                friction=friction,
-                folder=folder and folder / "runs",
-                resume=how.resume,
-                **how.solver_pool,
-                on_progress=advance,
-                provenance=f"weavecell {stamp['weavecell']}, commit {stamp['commit']}, {stamp['date']}",
-            )
-        settings = {
-            "fabric": fabric.name,
-            "mesh": mesh,
-            "friction": friction,
-            "d1_m": span1,
-            "d2_m": span2,
-            "lines": sampled.surface.T1.shape,
-            "tolerance": tolerance,
-        }
-        result = SurfaceResult(fabric, sampled, settings, _cell(fabric, sampled.surface))
-        if folder is not None:
-            result.save(folder)
-            RunCache(folder / "runs").clear()
-    return result
+    spans = _span(d1, "d1"), _span(d2, "d2")
+    response_surface.check(*spans, (points, points), tolerance, friction)
+    return SurfacePlan(fabric, mesh, meshes.size(mesh), *spans, points, tolerance, friction)
 
 
 def _span(value, key):

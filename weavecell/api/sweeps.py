@@ -31,15 +31,17 @@ from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, quantities, study_run
+from weavecell.api import keywords, quantities
+from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
-from weavecell.api.result import Result, figure, plain, save_to
+from weavecell.api.limits import NO_LIMIT
+from weavecell.api.result import Result, figure, plain
 from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import Target, is_input_file, read_target, resolve_target
-from weavecell.results import display, out_folder, progress
+from weavecell.results import display, progress
 from weavecell.scenes import build, honoured
 from weavecell.scenes import impact as scenes
 
@@ -67,7 +69,120 @@ _SHOWN = (
 NAMES = ("sweep.json", "sweep.csv", "sweep.png", *out_folder.INPUT, "report.html")
 
 
-@out_folder.reading
+@dataclass(frozen=True)
+class SweepPlan(Plan["SweepTable"]):
+    """An input file that is about to be computed over values of its keys.
+
+    Parameters
+    ----------
+    panels : the Target of each row
+    combinations : {key: value} of each row
+    keys : all of them
+    quantity : "shot", "critical-velocity" or "v50"
+    tolerance : [m/s] of the bracket of a limit, None for the usual one
+    shots, seed : of a V50
+    one_at_a_time : whether each row but the first changes one key
+    """
+
+    files = NAMES
+
+    panels: tuple[Target, ...]
+    combinations: tuple[dict[str, Any], ...]
+    keys: tuple[str, ...]
+    quantity: str
+    tolerance: float | None
+    shots: int
+    seed: int
+    one_at_a_time: bool
+
+    @property
+    def target(self) -> Target:
+        """The first, whose file is named in problems."""
+        return self.panels[0]
+
+    @property
+    def title(self) -> str:
+        """What is computed."""
+        return f"{len(self.panels)} x {self.quantity}"
+
+    @property
+    def inputs(self) -> Sequence[tuple]:
+        """Set-up, quantity and tolerance of each row."""
+        from weavecell.studies import inputs
+
+        return [
+            (inputs.use_one_thread(panel.setup), self.quantity, self.tolerance)
+            for panel in self.panels
+        ]
+
+    def forecast(self) -> StudySize:
+        """Forecast shots and CPU time of all rows together."""
+        sizes = [
+            _forecast(panel.setup, self.quantity, self.shots, self.tolerance)
+            for panel in self.panels
+        ]
+        return StudySize.add_up(self.title, sizes)
+
+    def run(self, running: Running) -> SweepTable:
+        """Compute the rows."""
+        rows = self._compute_rows(running)
+        table = []
+        for changes, panel, row in zip(self.combinations, self.panels, rows):
+            areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
+            table.append(dict.fromkeys(self.keys) | changes | areal_density | row)
+        result = SweepTable(self.quantity, self.keys, tuple(table), self.panels, self.one_at_a_time)
+        return running.save(result)
+
+    def _compute_rows(self, running):
+        from weavecell.studies import sweep as studies
+
+        with running.count(self.title) as part:
+            if self.quantity != "v50":
+                return run_cache.results(studies.row, self.inputs, report=part(), **running.cache)
+            # the shots of a V50 run in parallel already, so the V50s follow one another
+            rows = []
+            for number, panel in enumerate(self.panels):
+                drawn = {"shots": self.shots, "seed": self.seed, **running.cache}
+                report = part(number, len(self.panels))
+                rows.append(studies.row(panel.setup, self.quantity, report=report, **drawn))
+            return rows
+
+
+@dataclass(frozen=True)
+class SetupsPlan(Plan["SweepResult"]):
+    """Set-ups that are about to be fired at, each as `impact` does.
+
+    Parameters
+    ----------
+    setups : tuple of ImpactSetup
+    """
+
+    runs = ""
+
+    setups: tuple[ImpactSetup, ...]
+
+    def forecast(self) -> StudySize:
+        """Forecast CPU time of all shots together."""
+        from weavecell.api.run_size import RunSize
+
+        title = f"{len(self.setups)} shots"
+        times = [RunSize.estimate(setup, setup.title).cpu_time for setup in self.setups]
+        low, high = (sum(time[end] for time in times) for end in (0, 1))
+        return StudySize(title, len(self.setups), 0, (low, high))
+
+    def run(self, running: Running) -> SweepResult:
+        """Fire."""
+        arguments = [(setup,) for setup in self.setups]
+        title = f"{len(arguments)} shots"
+        with open_executor(**running.how.pool) as pool, progress.bar(title) as advance:
+            shots = {}
+            for number, shot in as_done(pool, _fire, arguments):
+                shots[number] = shot
+                advance(len(shots) / len(arguments))
+        return SweepResult(tuple(shot for _, shot in sorted(shots.items())))
+
+
+@command(SweepPlan, SetupsPlan)
 @explain_keywords(ResumableKeywords)
 def sweep(
     target: Fabric | FilePath | Iterable[ImpactSetup],
@@ -75,12 +190,13 @@ def sweep(
     over: list[str] | Mapping[str, Sequence[Any]] | None = None,
     quantity: str = "shot",
     tolerance: float | str | None = None,
-    shots: int = 60,
-    seed: int = 1,
+    shots: int | None = None,
+    seed: int | None = None,
     one_at_a_time: bool = False,
     check: bool = False,
+    out: FilePath | None = None,
     **options: Unpack[ResumableKeywords],
-) -> Any:
+) -> Plan[SweepTable | SweepResult]:
     """Repeat an input file over values of its keys, and compute a shot, the ballistic limit or V50
     of each.
 
@@ -104,12 +220,13 @@ def sweep(
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most
         [m/s]; if not given by 1 m/s of one ply, about 5 % of a pack, whose result is V50 with its
         interval
-    shots : of a V50, number of shots
-    seed : of a V50, of all that is drawn
+    shots : of a V50, number of shots; if not given 60
+    seed : of a V50, of all that is drawn; if not given 1
     one_at_a_time : compute the input file as it is, and then each value alone, in place of all
         combinations
-    check : run nothing and write nothing: forecast shots and CPU time of an input file or a fabric
-    **options : jobs, executor, out and resume
+    check : run nothing and write nothing: forecast shots and CPU time
+    out : folder of the results; in Python None writes nothing. Of set-ups nothing is written
+    **options : jobs, executor and resume
 
     Returns
     -------
@@ -135,22 +252,35 @@ def sweep(
     for name, value in options.items():
         if name in keywords.tables():
             raise InputError(_hint_at_key(name, value), key=name, value=value)
-    how = Execution.from_options("sweep", options)
+    Execution.refuse_others("sweep", options)
     if not isinstance(target, (Fabric, str, Path)):
-        return _fire_setups(target, how)
+        unused = {"over": over, "tolerance": tolerance, "shots": shots, "seed": seed}
+        quantities.refuse_unused(unused, "beside set-ups")
+        if out is not None:
+            allowed = "left out of set-ups: an input file, or a fabric, has a report"
+            raise InputError(key="out", allowed=allowed)
+        return SetupsPlan(tuple(target))
     from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths, v50
     from weavecell.studies import sweep as studies
 
-    width = None
-    if tolerance is not None:
-        width = quantities.read_positive(tolerance, "m/s", "tolerance")
     if quantity not in list(studies.QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(studies.QUANTITIES)}"
         )
-    shots = quantities.read_whole(shots, "shots", v50.LEAST)
-    seed = quantities.read_whole(seed, "seed", 0)
+    if quantity != "v50":
+        quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
+    if quantity != "critical-velocity":
+        quantities.refuse_unused({"tolerance": tolerance}, f"with {quantity}")
+    width = None
+    if tolerance is not None:
+        width = quantities.read_positive(tolerance, "m/s", "tolerance")
+    count = 60
+    if shots is not None:
+        count = quantities.read_whole(shots, "shots", v50.LEAST)
+    first = 1
+    if seed is not None:
+        first = quantities.read_whole(seed, "seed", 0)
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
@@ -180,32 +310,22 @@ def sweep(
     }
     support = of_quantity[quantity]
     combinations = _combinations(keys, one_at_a_time)
-    panels = [_panel(str(target), Path(how.out or "."), support, each) for each in combinations]
-    if quantity == "v50":
-        for panel in panels:
-            strengths.check(panel.setup, inputs.read_scatter())
-    if check:
-        sizes = [_forecast(panel.setup, quantity, shots, width) for panel in panels]
-        return StudySize.add_up(f"{len(panels)} x {quantity}", sizes)
-    arguments = [(inputs.use_one_thread(panel.setup), quantity, width) for panel in panels]
-    with study_run.begin_study(
-        panels[0], f"{len(panels)} x {quantity}", how, NAMES, *arguments
-    ) as run:
-        # the shots of a V50 run in parallel already, so the V50s follow one another
+    panels = [_panel(str(target), Path(out or "."), support, each) for each in combinations]
+    for panel in panels:
         if quantity == "v50":
-            reports = [run.report(number, len(panels)) for number in range(len(panels))]
-            drawn: dict[str, Any] = {"shots": shots, "seed": seed, **run.runs}
-            rows = [
-                studies.row(p.setup, quantity, report=r, **drawn) for p, r in zip(panels, reports)
-            ]
-        else:
-            rows = run_cache.results(studies.row, arguments, report=run.report(), **run.runs)
-        table = []
-        for changes, panel, row in zip(combinations, panels, rows):
-            areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
-            table.append(dict.fromkeys(keys) | changes | areal_density | row)
-        result = SweepTable(quantity, tuple(keys), tuple(table), tuple(panels), one_at_a_time)
-        return save_to(result, run.folder)
+            strengths.check(panel.setup, inputs.read_scatter())
+        elif quantity == "critical-velocity":
+            strengths.require_failure(panel.setup, NO_LIMIT)
+    return SweepPlan(
+        tuple(panels),
+        tuple(combinations),
+        tuple(keys),
+        quantity,
+        width,
+        count,
+        first,
+        one_at_a_time,
+    )
 
 
 def _forecast(setup, quantity, shots, width):
@@ -475,19 +595,6 @@ class SweepTable(StudyResult):
         if SEED in self.keys and quantity.column == "residual_velocity_m_s":
             lines += self._scatter()
         return lines
-
-
-def _fire_setups(setups, how):
-    """The SweepResult of set-ups."""
-    arguments = [(setup,) for setup in setups]
-    with open_executor(**how.pool) as pool, progress.bar(f"{len(arguments)} shots") as advance:
-        shots = {}
-        for number, shot in as_done(pool, _fire, arguments):
-            shots[number] = shot
-            advance(len(shots) / len(arguments))
-    result = SweepResult(tuple(shot for _, shot in sorted(shots.items())))
-    result.warn()
-    return result
 
 
 def _fire(setup):

@@ -68,8 +68,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "metals list": ("metals", ""),
     "backings list": ("backings", ""),
 }
-# functions that forecast what a command takes, which its option --check calls
-FORECASTS = {"impact": "size_of"}
 # group: what it is, and the command that its help ends with
 GROUPS = {
     "crossover": ("The 3D crossover under a load.", "shear S-720"),
@@ -124,12 +122,7 @@ def _add_command(groups, name):
     from weavecell.cli import from_signature
 
     function, *rest = COMMANDS[name]
-    forecast = None
-    if name in FORECASTS:
-        forecast = find_function(FORECASTS[name])
-    command, epilog = from_signature.command(
-        find_function(function), name, *rest, forecast=forecast
-    )
+    command, epilog = from_signature.command(find_function(function), name, *rest)
     group, _, word = name.rpartition(" ")
     groups[group].command(word, epilog=epilog)(command)
 

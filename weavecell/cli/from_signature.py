@@ -51,7 +51,6 @@ def command(
     name: str,
     example: str,
     *keywords: str,
-    forecast: Callable[..., Any] | None = None,
 ) -> tuple[Callable[..., None], str]:
     """Make the function that typer makes the command `name` of, and the line below its help.
 
@@ -62,8 +61,6 @@ def command(
     example : arguments that its help ends with
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as
         in a file
-    forecast : is called with the target alone in place of the function if the option --check is
-        given
     """
     text, meanings = read_docstring(function)
     parameters = []
@@ -89,12 +86,7 @@ def command(
                 for key in keywords:
                     if key in chosen:
                         chosen[key] = _read_list(chosen[key])
-                if forecast is not None and values.get("check"):
-                    result = forecast(chosen["target"])
-                else:
-                    if forecast is not None:
-                        chosen.pop("check")
-                    result = function(**chosen)
+                result = function(**chosen)
             except UnstableError as problem:
                 if problem.result is not None and "out" in values:
                     print(problem.result, f"written to {values['out']}", sep="\n", flush=True)
@@ -126,12 +118,6 @@ def command(
     ]
     for key in keywords:
         signature.append(_parameter(_keyword(key, "str"), _escape(_meaning(key))))
-    if forecast is not None:
-        first_line = (inspect.getdoc(forecast) or "").partition("\n\n")[0]
-        words = _escape(" ".join(first_line.split()))
-        wanted = Annotated[bool, typer.Option("--check", help=words)]
-        only = inspect.Parameter.KEYWORD_ONLY
-        signature.append(inspect.Parameter("check", only, default=False, annotation=wanted))
     if has_checks:
         help_text = "Exit code 3 if a quality indicator is beyond its limit."
         strict = Annotated[bool, typer.Option("--strict", help=help_text)]
@@ -169,7 +155,8 @@ def unpack_keywords(function: Callable, meanings: dict[str, str]) -> list[inspec
     kind = getattr(inspect.getmodule(function), name)
     own = read_docstring(kind)[1]
     meanings |= own
-    return [_keyword(key, kind.__annotations__[key].__forward_arg__) for key in own]
+    others = [key for key in own if key not in inspect.signature(function).parameters]
+    return [_keyword(key, kind.__annotations__[key].__forward_arg__) for key in others]
 
 
 def _keyword(key, annotation):

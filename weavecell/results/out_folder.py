@@ -160,7 +160,7 @@ def claim(
 
 
 def look(
-    out: FilePath | None,
+    out: FilePath,
     names: Iterable[str],
     resume: bool = False,
     inputs: Iterable[object] = (),
@@ -171,8 +171,6 @@ def look(
     ------
     InputError : as `claim`
     """
-    if out is None:
-        return
     folder = Path(out)
     place = folder.resolve()
     there = next(path for path in (place, *place.parents) if path.exists())

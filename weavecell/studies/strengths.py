@@ -77,19 +77,24 @@ def check(setup: ImpactSetup, scatter: Scatter) -> None:
     """Raise an InputError if the strengths of these plies cannot be drawn."""
     if setup.strength is not None:
         raise InputError(key="strength", allowed="left out: a V50 draws the strengths itself")
-    if not setup.yarn_failure:
-        raise InputError(
-            "strengths are drawn, and the yarns do not fail",
-            key="yarn_failure",
-            value=False,
-            allowed="true",
-        )
+    require_failure(setup, "strengths are drawn, and the yarns do not fail")
     if setup.surface is not None and (scatter.modulus or scatter.crimp):
         raise InputError(
             "a response surface holds for one modulus and one crimp",
             key="scatter of modulus and crimp",
             allowed="0",
         )
+
+
+def require_failure(setup: ImpactSetup, why: str) -> None:
+    """Refuse a set-up whose yarns do not fail, of which there is no limit.
+
+    Raises
+    ------
+    InputError : with `why` as its message
+    """
+    if not setup.yarn_failure:
+        raise InputError(why, key="yarn_failure", value=False, allowed="true")
 
 
 def draw_factors(scatter: Scatter, seed: int, number: int) -> dict[str, float]:

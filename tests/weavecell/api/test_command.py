@@ -1,51 +1,173 @@
 """A command is a plan: its check and its run are of one plan, and an option that changes no plan does nothing."""
 
+import fcntl
+import inspect
+
 import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from weavecell.api.command import without_effect
-from weavecell.studies import limit
+from weavecell.api.command import Plan, without_effect
+from weavecell.cli import app
+from weavecell.results import out_folder
 
-SCAN = ["scan_above", "scan_below", "scan_step"]
-VALUES = {
-    "tolerance": ["1 m/s", "7 m/s"],
-    "v50_shots": [5, 9],
-    "residual_shots": [1, 5],
+# they read, list or write what is there, and compute nothing
+WITHOUT_PLAN = {
+    *("reduce compression", "reduce shot", "export", "show", "cite", "view", "new"),
+    *("fabrics list", "fabrics new", "projectiles list", "metals list", "backings list"),
+}
+TARGETS = {
+    "ply": {},
+    "pack": {"plies": 2},
+    "yarns": {"crossovers": "yarns"},
+    "auto": {"crossovers": "auto"},
+    "block": {"backing": "gelatine 10 %"},
+    "metal": {"projectile": "FSP 1.10 g"},
+}
+SCAN = {
     "scan": [True, False],
     "scan_above": ["25 %", "30 %"],
     "scan_below": ["10 %", "12 %"],
     "scan_step": ["2 %", "3 %"],
-    "assumed_range": [True, False],
 }
-# what is known to be taken without effect, and should be refused
-KNOWN = [
-    ({}, []),
-    ({"scan": False}, SCAN),
-    ({"plies": 2}, SCAN),
-    ({"plies": 2, "scan": True}, []),
-    ({"crossovers": "auto"}, []),
-]
+OF_V50 = {"shots": [8, 9], "seed": [1, 2], "assumed_range": [True, False]}
+OPTIONS = {
+    "impact": {"assumed_range": [True, False], "uncertainty": [True, False]},
+    "critical_velocity": {
+        "tolerance": ["1 m/s", "7 m/s"],
+        "v50_shots": [5, 9],
+        "residual_shots": [1, 5],
+        "assumed_range": [True, False],
+        **SCAN,
+    },
+    "v50": {
+        "batch": [4, 5],
+        "weibull_shape": [9, 14],
+        "modulus_cov": [0.01, 0.02],
+        "crimp_cov": [0.01, 0.02],
+        **OF_V50,
+    },
+    "compare": {"quantity": ["v50", "critical-velocity"], "tolerance": [1, 2], **OF_V50},
+    "reduce_tests": {"tolerance": [1, 2]},
+    "patch": {
+        "struck": ["gap", "crossover"],
+        "crossings": [12, 14],
+        "duration": ["20 us", "30 us"],
+        "mesh": ["2,2,1", "2,2,2"],
+    },
+}
+SWEPT = {"tolerance": [1, 2], "shots": [8, 9], "seed": [1, 2], "one_at_a_time": [True, False]}
 
 
-@pytest.mark.parametrize("given, silent", KNOWN)
-def test_each_option_changes_the_plan(given, silent):
-    others = {option: values for option, values in VALUES.items() if option not in given}
-    given = {"opening": "50 mm"} | given
-    assert without_effect(wc.critical_velocity, ["S-720"], given, others) == silent
+@pytest.fixture
+def arguments(tmp_path):
+    """What comes first in a call of a command."""
+    tests = tmp_path / "tests.csv"
+    tests.write_text("velocity [m/s], outcome\n60, PP\n120, CP\n")
+    shot = ["S-720", "90 m/s"]
+    others = {"compare": ["S-720", "S-728"], "reduce_tests": [str(tests), "S-720"]}
+    return others | {"impact": shot, "patch": shot}
 
 
-@pytest.mark.parametrize("out", ["mine", "file", "file/inside"])
-def test_a_check_refuses_the_folder_that_the_run_refuses(out, tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", OPTIONS)
+@pytest.mark.parametrize("kind", TARGETS)
+def test_each_option_is_refused_or_changes_the_plan(kind, name, arguments):
+    function = getattr(wc, name)
+    # of v50 as well: a search is scanned or has no scan to speak of
+    for beside in [{}, {"scan": False}, {"scan": True}] if name == "critical_velocity" else [{}]:
+        given = {"opening": "40 mm"} | TARGETS[kind] | beside
+        others = {key: values for key, values in OPTIONS[name].items() if key not in beside}
+        first = arguments.get(name, ["S-720"])
+        assert without_effect(function, first, given, others) == []
+
+
+@pytest.mark.parametrize("quantity", ["shot", "critical-velocity", "v50"])
+def test_each_option_of_a_sweep_is_refused_or_changes_the_plan(quantity):
+    over = {"panel.opening": ["30 mm", "40 mm"], "projectile.strike_velocity": ["90 m/s"]}
+    given = {"over": over, "quantity": quantity}
+    assert without_effect(wc.sweep, ["S-720"], given, SWEPT) == []
+
+
+def test_the_options_that_are_tried_are_all_that_the_commands_have():
+    for name, tried in (OPTIONS | {"sweep": SWEPT | {"over": [], "quantity": []}}).items():
+        own = inspect.signature(getattr(wc, name)).parameters.values()
+        named = {one.name for one in own if one.kind is one.KEYWORD_ONLY}
+        assert named - {"check", "out", "resume"} == set(tried), name
+
+
+def test_all_that_compute_have_a_plan_and_a_check():
+    for words, (called, *_) in app.COMMANDS.items():
+        function = app.find_function(called)
+        assert hasattr(function, "plan") == (words not in WITHOUT_PLAN), words
+        has_check = "check" in inspect.signature(function).parameters
+        assert has_check == hasattr(function, "plan"), words
+    for kind in Plan.__subclasses__():
+        assert {"forecast", "run"} <= vars(kind).keys(), kind
+
+
+class Computed(Exception):
+    """Something is computed."""
+
+
+CALLS = {
+    "impact": {"velocity": "90 m/s", "opening": "20 mm", "end_time": "10 us"},
+    "critical_velocity": {"opening": "50 mm"},
+    "v50": {"opening": "50 mm"},
+    "compare": {"other": "S-728", "opening": "50 mm"},
+    "sweep": {
+        "over": {"panel.opening": ["20 mm"], "run.end_time": ["10 us"]},
+        "quantity": "critical-velocity",
+    },
+    "patch": {"velocity": "60 m/s"},
+    "biaxial": {},
+    "coupon": {"test": "picture_frame", "crossovers": 2, "shear_angle": "4 deg"},
+}
+NAMES = {"impact": "report.html", "patch": "patch.csv", "biaxial": "biaxial.csv"}
+
+
+@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("place", ["mine", "file", "file/inside", "locked", "others", "free"])
+def test_a_check_refuses_the_folder_that_the_run_refuses(name, place, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(limit, "search", None)
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "report.html").write_text("of the user")
+
+    def computed(*_):
+        raise Computed
+
+    for kind in Plan.__subclasses__():
+        monkeypatch.setattr(kind, "run", computed)
+    function = getattr(wc, name)
+    written = NAMES.get(name, "scene.toml" if name != "compare" else "difference.csv")
+    for folder in ("mine", "locked"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "mine" / written).write_text("of the user")
     (tmp_path / "file").write_text("of the user")
-    said = []
-    for check in (True, False):
-        with pytest.raises(InputError) as refused:
-            wc.critical_velocity("S-720", opening="50 mm", out=out, check=check)
-        said.append(str(refused.value))
+    resumable = name not in ("patch", "biaxial")
+    if place == "others" and resumable:
+        with out_folder.hold("others", [], inputs=["another input"]):
+            (tmp_path / "others" / "kept").write_text("")
+    first = ["S-720"]
+
+    def answer(check):
+        given = CALLS[name] | {"out": place, "check": check}
+        if place == "others" and resumable:
+            given["resume"] = True
+        try:
+            function(*first, **given)
+        except Computed:
+            return ""
+        except InputError as problem:
+            return str(problem)
+        return ""
+
+    with open(tmp_path / "locked" / out_folder.LOCK, "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        said = [answer(True), answer(False)]
     assert said[0] == said[1]
-    assert {path.name for path in tmp_path.rglob("*")} == {"mine", "report.html", "file"}
+    refused = place != "free" and (resumable or place != "others")
+    assert bool(said[0]) == refused
+    made = {path.name for path in tmp_path.rglob("*")}
+    assert made <= {"mine", "locked", "others", "kept", "file", written, out_folder.LOCK, *_LISTS}
+
+
+# the list of a folder, and the folder of runs
+_LISTS = {".weavecell-files", "runs"}

@@ -20,7 +20,7 @@ PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"
     "panel", [{"opening": "30 mm", "end_time": "10 us"}, PACK], ids=["ply", "pack"]
 )
 def test_elements_and_steps_are_those_of_the_run(panel):
-    size = wc.size_of("S-720", "90 m/s", **panel)
+    size = wc.impact("S-720", "90 m/s", check=True, **panel)
     setup = wc.setup("S-720", "90 m/s", **panel)
     result, _ = run_impact_or_partial(setup)
     assert size.elements == setup.target().elements
@@ -102,7 +102,7 @@ def test_the_forecast_of_a_sweep_is_the_sum_over_its_rows(tmp_path, monkeypatch)
 def test_a_long_forecast_says_what_it_grows_with_and_what_spreads_it():
     """Twice the plies take twice the time, twice the memory but for what all share; short ones say nothing of it."""
     panel = {"opening": "0.2 m", "elements_per_crossover": 2, "ply_gap": "0.1 mm"}
-    one, two = (wc.size_of("S-720", "300 m/s", plies=n, **panel) for n in (20, 40))
+    one, two = (wc.impact("S-720", "300 m/s", plies=n, check=True, **panel) for n in (20, 40))
     assert two.elements == 2 * one.elements
     assert two.cpu_time == pytest.approx([2 * seconds for seconds in one.cpu_time], rel=0.02)
     assert 1.6 * one.memory < two.memory < 2.02 * one.memory
@@ -111,7 +111,7 @@ def test_a_long_forecast_says_what_it_grows_with_and_what_spreads_it():
     study = wc.v50("S-720", shots=60, plies=8, check=True, **panel)
     assert run_size.GROWTH in str(study)
     assert f"jobs and executor {run_size.SPREAD}" in str(study)
-    short = wc.size_of("S-720", "90 m/s", opening="20 mm", end_time="10 us")
+    short = wc.impact("S-720", "90 m/s", opening="20 mm", end_time="10 us", check=True)
     assert run_size.GROWTH not in str(short)
 
 

@@ -102,8 +102,6 @@ def test_the_options_of_a_command_are_the_parameters_of_its_function():
         parameters = inspect.signature(function).parameters.values()
         own = {p.name for p in parameters if p.kind is not p.VAR_KEYWORD}
         own |= {p.name for p in from_signature.unpack_keywords(function, {})} | set(keywords)
-        if words in app.FORECASTS:
-            own.add("check")
         options = {entry.name for entry in command.params} - {"strict"}
         assert own >= options >= own - {"test", "velocity"}, words
         assert all(entry.help for entry in command.params), words

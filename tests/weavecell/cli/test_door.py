@@ -117,7 +117,10 @@ TABLES = "must be a list of dicts with the keys of"
         ),
         (lambda: wc.impact("S-720", "155"), "velocity = '155': has no unit"),
         (lambda: wc.impact("S-720", 1550), "velocity = 1550: must be a speed"),
-        (lambda: wc.size_of("S-720", "155 m/s", **FAR), "^snapshot_interval: must be longer: "),
+        (
+            lambda: wc.impact("S-720", "155 m/s", check=True, **FAR),
+            "^snapshot_interval: must be longer: ",
+        ),
         (
             lambda: wc.sweep("S-720", over={"panel.plies": np.arange(2)} | RUNS, check=True),
             "^panel.plies = 0: must be a whole number",

@@ -42,6 +42,7 @@ MASKED = [
     (re.compile(r"\b[0-9a-f]{7,64}\b(?<![0-9]{7})"), "DIGEST"),
     (re.compile(r"(?<=weavecell )\d+\.\d+\.\d+\S*"), "VERSION"),
 ]
+PROGRESS = re.compile(r"\d %, \d\d:\d\d")
 FLOAT = re.compile(r"-?\d+\.\d+(?:e[+-]?\d+)?")
 
 
@@ -117,7 +118,9 @@ def _printed(line):
             app.main(shlex.split(line))
         except SystemExit as leaving:
             code = leaving.code
-    errors = [f"! {line}" for line in err.getvalue().splitlines() if not line.startswith("\r")]
+    # a long run says how far it is
+    shown = [line for line in err.getvalue().splitlines() if not PROGRESS.search(line)]
+    errors = [f"! {line}" for line in shown]
     return [out.getvalue().rstrip("\n"), *errors, f"[exit code {code}]"]
 
 

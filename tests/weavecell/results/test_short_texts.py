@@ -25,7 +25,7 @@ def shot(folder):
 @pytest.mark.parametrize(
     "compute",
     [
-        lambda: wc.size_of("S-720", "150 m/s", **QUICK),
+        lambda: wc.impact("S-720", "150 m/s", check=True, **QUICK),
         lambda: wc.biaxial("S-720"),
         lambda: wc.cite("S-720"),
         lambda: wc.coupon(

@@ -92,7 +92,7 @@ def said(scene):
     try:
         setup = build.setup(build.build(check(scene, None, honoured.IMPACT), None, "s"), None)
         # what the run refuses before it begins
-        size = wc.size_of(setup)
+        size = wc.impact(setup, check=True)
         return setup.notes if size else ()
     except InputError as problem:
         return (str(problem),)

@@ -41,7 +41,7 @@ def test_pinned_yarns_that_hold_are_enough():
         "S-726", "60 m/s", end_time="30 us", **SPHERE | {"crossovers": "pinned", "zone": None}
     )
     assert shot.residual_velocity == alone.residual_velocity
-    size = wc.size_of("S-726", "60 m/s", end_time="30 us", **SPHERE)
+    size = wc.impact("S-726", "60 m/s", end_time="30 us", check=True, **SPHERE)
     assert size.assumed[-1].startswith("if the checks ask for resolved yarns, another ")
 
 
@@ -77,7 +77,7 @@ outputs = ["report"]
     assert shot.energies["crossover_friction"][-1] > 0
     assert json.loads((tmp_path / "r/summary.json").read_text())["chosen"] == shot.chosen
     assert words in (tmp_path / "r/report.html").read_text("utf-8")
-    size = wc.size_of(scene)
+    size = wc.impact(scene, check=True)
     assert size.assumed[-1] == words
     assert not any("another" in line for line in size.assumed)
 
