@@ -14,7 +14,7 @@ import inspect
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, fields
 from itertools import count
 from pathlib import Path
@@ -265,14 +265,11 @@ def without_effect(
     plan = function.plan  # type: ignore[attr-defined]
     silent = []
     for option, values in others.items():
-        made = set()
-        for value in values:
-            try:
-                made.add(digest(plan(*arguments, **{**given, option: value})))
-            except InputError as problem:
-                made.add(str(problem))
-        if len(made) == 1:
-            silent.append(option)
+        # a value that is refused has an effect
+        with suppress(InputError):
+            made = {digest(plan(*arguments, **{**given, option: value})) for value in values}
+            if len(made) == 1:
+                silent.append(option)
     return silent
 
 

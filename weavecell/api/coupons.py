@@ -125,13 +125,15 @@ class CouponPlan(Plan["CouponResult | PullOutResult"]):
 
     def run(self, running: Running) -> CouponResult | PullOutResult:
         """Compute it, and write it; only then its checkpoint is no longer needed."""
-        checkpoint = running.folder and running.folder / "checkpoint.h5"
+        checkpoint = None
+        if running.folder is not None:
+            checkpoint = running.folder / "checkpoint.h5"
         compute = _relax
         if self.case.scene.test == "pull_out":
             compute = _pull_out
         resume = running.how.resume
         result, running.failure = compute(self.case, self.text, checkpoint, resume)
-        if running.folder is not None:
+        if checkpoint is not None:
             with progress.bar("Writing results"):
                 running.save(result)
             checkpoint.unlink(missing_ok=True)

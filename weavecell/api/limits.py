@@ -70,7 +70,7 @@ _CSV = (
 )
 
 
-LOOK_OF = {
+LOOK_OF: dict[str, dict[str, Any]] = {
     "perforated": {"color": RED, "mec": "white"},
     "stopped": {"mfc": "white", "mec": GREEN, "mew": 1.8},
 }
@@ -544,7 +544,7 @@ class CriticalVelocityResult(StudyResult):
         return lines
 
 
-def table_of(shots: Sequence[Shot]) -> dict[str, Sequence[Any]]:
+def table_of(shots: Sequence[Shot]) -> dict[str, list[Any]]:
     """Return {name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
     return one_table.columns(shots, "critical_velocity", "shots")
 
@@ -563,17 +563,29 @@ def plot_of(found: CriticalVelocityResult) -> Plot:
     low = 0.94 * min(*strikes, limit.low)
     layers = []
     if not fit.reason:
+        words = "Lambert-Jonas\n" + fit.words("\n")
         x, y = fit.sample(high)
-        layers.append(Layer("Lambert-Jonas\n" + fit.words("\n"), x, y, look={"color": BLUE}))
+        layers.append(Layer(words, x.tolist(), y.tolist(), look={"color": BLUE}))
     for outcome, look in LOOK_OF.items():
         of = [shot for shot in found.shots if shot.outcome == outcome]
-        places = ([s.strike_velocity for s in of], [s.residual_velocity for s in of])
-        layers.append(Layer(outcome, *places, "o", {"ms": 7, "zorder": 3, **look}))
-    name, zone, alpha = "bracket of the limit", (limit.low, limit.high), 0.8
+        struck = [shot.strike_velocity for shot in of]
+        left = [shot.residual_velocity for shot in of]
+        layers.append(Layer(outcome, struck, left, "o", {"ms": 7, "zorder": 3} | look))
+    name = "bracket of the limit"
+    zone = (limit.low, limit.high)
+    alpha = 0.8
     if limit.mixed_zone is not None:
-        name, zone, alpha = "mixed outcomes", limit.mixed_zone, 0.25
+        name = "mixed outcomes"
+        zone = limit.mixed_zone
+        alpha = 0.25
     label = f"{name}\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     layers.append(Layer(label, zone, look={"color": ORANGE, "alpha": alpha, "lw": 1}))
-    axes = {"x": "strike_velocity_m_s", "y": "residual_velocity_m_s"}
-    ends = {"xlim": (low, high), "ylim": (-0.02 * high, high)}
-    return Plot(found.title, **axes, layers=tuple(layers), **ends, diagonal="no loss of velocity")
+    return Plot(
+        found.title,
+        x="strike_velocity_m_s",
+        y="residual_velocity_m_s",
+        layers=tuple(layers),
+        xlim=(low, high),
+        ylim=(-0.02 * high, high),
+        diagonal="no loss of velocity",
+    )

@@ -150,6 +150,7 @@ class ShotPlan(Plan["ShotResult"]):
         over = self.over
         if self.chooses and self.target.setup.plies == 1:
             # which yarns are shot at was not known before
+            assert result.target is not None
             over = ranges.with_ends(result.target.setup, self.assumed_range)
         if over is not None and running.failure is None:
             result = _with_range(result, over, running.folder)

@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack, cast
 
 import numpy as np
 
@@ -184,7 +184,7 @@ class SetupsPlan(Plan["SweepResult"]):
 
 @command(SweepPlan, SetupsPlan)
 @explain_keywords(ResumableKeywords)
-def sweep(
+def sweep(  # type: ignore[misc]  # `out` is one of its options too
     target: Fabric | FilePath | Iterable[ImpactSetup],
     *,
     over: list[str] | Mapping[str, Sequence[Any]] | None = None,
@@ -259,7 +259,7 @@ def sweep(
         if out is not None:
             allowed = "left out of set-ups: an input file, or a fabric, has a report"
             raise InputError(key="out", allowed=allowed)
-        return SetupsPlan(tuple(target))
+        return SetupsPlan(tuple(cast("Iterable[ImpactSetup]", target)))
     from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths, v50
     from weavecell.studies import sweep as studies
