@@ -1,4 +1,4 @@
-"""What a run refuses before it computes, its forecast (`check`, `size_of`) refuses in the same words: each option of
+"""What a run refuses before it computes, its forecast (`check`) refuses in the same words: each option of
 each study, each key of a scene."""
 
 import pytest
