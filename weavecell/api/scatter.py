@@ -23,6 +23,7 @@ from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize, shots_of_a_search
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
+from weavecell.results import out_folder
 from weavecell.results.left_out import brief_words
 from weavecell.scenes import honoured
 

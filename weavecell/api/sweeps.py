@@ -41,7 +41,7 @@ from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import Target, is_input_file, read_target, resolve_target
-from weavecell.results import display, progress
+from weavecell.results import display, out_folder, progress
 from weavecell.scenes import build, honoured
 from weavecell.scenes import impact as scenes
 
