@@ -13,10 +13,29 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from fabrics.base.schema import flag, key
+from fabrics.base.schema import flag, key, quantity
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellNumbers:
+    """Numbers of the unit cell, keys of the table [fabric]. Read by "pinned" yarns alone: resolved ones
+    touch where they are."""
+
+    crossover_gap: Annotated[
+        float,
+        key(
+            quantity(
+                "play between warp and weft at a crossover before they touch",
+                "m",
+                "0 mm",
+                zero=True,
+            ),
+            "pinned",
+        ),
+    ] = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

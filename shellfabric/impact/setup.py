@@ -28,6 +28,7 @@ from shellfabric.loop import histories
 from shellfabric.membrane import boundary
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.panel_setup import PanelSetup
+from shellfabric.panel_numbers import CellNumbers
 from shellfabric.plies.model import Pack, PlyContact, at_angle
 from shellfabric.yarns.model import YarnPanel, YarnZone, lie_anywhere
 
@@ -60,7 +61,7 @@ class Ply:
 
 
 @dataclass(frozen=True)
-class ImpactSetup(PanelSetup):
+class ImpactSetup(PanelSetup, CellNumbers):
     """A projectile that strikes the middle of a panel of one ply or several.
 
     Parameters
@@ -74,7 +75,7 @@ class ImpactSetup(PanelSetup):
     elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is
         none 1, or as many as put an element's longer side within ELEMENT_SIDE of the projectile's
         radius, at most MOST_ELEMENTS
-    cell_model, cell_formulation, crossover_gap : see CellModel
+    cell_model, cell_formulation : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see
         surface_cell.SurfaceCell
@@ -96,8 +97,8 @@ class ImpactSetup(PanelSetup):
     lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and
         `laws`, `plies` is their number, and stacking and ply_gap are not used. Empty for plies that
         are
-    others : see `PanelSetup`. Where yarns do not fail, the table goes to UNFAILING times their failure
-        strain; with `rate_dependence` their modulus is that of the highest rate
+    others : see `PanelSetup` and `CellNumbers`. Where yarns do not fail, the table goes to UNFAILING
+        times their failure strain; with `rate_dependence` their modulus is that of the highest rate
 
     Raises
     ------
@@ -113,7 +114,6 @@ class ImpactSetup(PanelSetup):
     elements_per_crossover: int | None = None
     cell_model: str = "compressible"
     cell_formulation: str = "variational"
-    crossover_gap: float = 0.0
     bending: float | tuple[float, float] = 0.0
     surface: ResponseSurface | None = None
     table_size: int = 201
@@ -463,6 +463,22 @@ class ImpactSetup(PanelSetup):
         if self.crossovers is not None:
             return YarnPanel(**own, resolved=self.crossovers)
         return Panel(**own)
+
+    def check_contact_points(self) -> None:
+        """Refuse a number of contact points of which the mesh makes more.
+
+        Raises
+        ------
+        InputError : fewer than two along each element of its own mesh; as `panel`
+        """
+        given = self.numerics.contact_points
+        if given is None:
+            return
+        panel = self.panel(self.plain_table())
+        least = ceil(2 * panel.lines_per_crossover / panel.finest)
+        if given < least:
+            allowed = f"at least {least}, two along each element under the nose"
+            raise InputError(key="contact_points", value=given, allowed=allowed)
 
     def target(self, table: CellTable | None = None) -> Pack:
         """Build what the projectile strikes, of one ply or several; `table` as in `panel`.

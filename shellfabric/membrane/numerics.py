@@ -13,20 +13,21 @@ from fabrics.base.schema import described, key, number, whole
 @dataclass(frozen=True, kw_only=True)
 class NumericsKeys:
     """Numerical parameters that are keys of the table [numerics]; as in `PanelNumbers` a line says all
-    of one. The contact of the nose with the membrane is that of pinned crossovers."""
+    of one. The contact of the nose with the membrane is that of pinned crossovers; on a "pack" the nose
+    presses with the stiffness of half a ply of solid fibre, and the penalty is not read."""
 
     cfl: Annotated[
         float,
         key(
             number("time step over its stability bound (Courant factor)", 0.5, gt=0.0, le=1.0),
-            "pinned yarns",
+            "pinned yarns pack",
         ),
     ] = 0.9
     stretch_viscosity: Annotated[
         float,
         key(
             number("damping ratio of the highest mode along a yarn", 0.2, ge=0.0, le=1.0),
-            "pinned yarns",
+            "pinned yarns pack",
         ),
     ] = 0.1
     penalty: Annotated[
@@ -45,18 +46,20 @@ class NumericsKeys:
         float,
         key(
             number("damping ratio of the contact between projectile and fabric", 0.6, ge=0.0),
-            "pinned",
+            "pinned pack",
         ),
     ] = 0.5
     contact_points: Annotated[
         int | None,
         key(
             whole(
-                "contact points along each side of a crossover; if not given 8, and more under a sharp nose",
+                "contact points along each side of a crossover, at least two along that of an element, of which "
+                "they are made a whole number; if not given 8, and more under a sharp nose",
                 1,
                 64,
+                16,
             ),
-            "pinned",
+            "pinned pack",
         ),
     ] = None
     erosion_gap: Annotated[
@@ -68,7 +71,7 @@ class NumericsKeys:
                 2.0,
                 gt=1.0,
             ),
-            "pinned",
+            "pinned pack",
         ),
     ] = 3.0
     threads: Annotated[
@@ -84,7 +87,7 @@ class NumericsKeys:
                     ge=1,
                 ),
             ],
-            "pinned yarns",
+            "pinned yarns pack",
         ),
     ] = None
 

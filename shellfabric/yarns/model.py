@@ -27,7 +27,7 @@ from shellfabric.membrane.boundary import is_clamped
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.membrane.slots import by_node
-from shellfabric.panel_numbers import PanelNumbers
+from shellfabric.panel_numbers import CellNumbers, PanelNumbers
 from shellfabric.parts import Part, own_steps
 from shellfabric.state import DAMAGED, RESOLVED, WARP_FAILED, WEFT_FAILED, Constants, State
 from shellfabric.yarns.part import ResolvedYarns
@@ -169,6 +169,10 @@ class YarnPanel(Panel):
             if value != allowed:
                 text = "left out" if allowed is None else str(allowed)
                 raise InputError(key=key, value=value, allowed=f"{text} with resolved yarns")
+        if model.cell_model == "decoupled":
+            allowed = "compressible or incompressible with resolved yarns, which touch"
+            raise InputError(key="cell_model", value=model.cell_model, allowed=allowed)
+        refuse_unread(CellNumbers, model, "yarns", "resolved yarns")
         refuse_unread(PanelNumbers, self, "yarns", "resolved yarns")
         refuse_unread(NumericsKeys, self.numerics, "yarns", "resolved yarns")
         super().__post_init__()

@@ -55,10 +55,10 @@ class Keywords(TypedDict, total=False):
         tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
     surface : response surface of the 3D crossover, which replaces the analytical cell and
         `fabric.law`; the path of a surface written by `weavecell surface`
-    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
-        least 0, such as "0 mm"
     bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
         "1e-6 N m^2"
+    crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
+        least 0, such as "0 mm"
     projectile : the table [projectile] of the input file, as a dict
     preset : set-up of a test, whose values stand in place of keys of [panel], [backing] and [run]
         that are not given: body armour is a pack with free edges of 200 mm before a block of clay,
@@ -125,8 +125,8 @@ class Keywords(TypedDict, total=False):
     cell_model: Literal["compressible", "incompressible", "decoupled"]
     cell_formulation: Literal["variational", "equilibrium", "direct"]
     surface: ResponseSurface | FilePath | None
-    crossover_gap: Quantity
     bending: Quantity
+    crossover_gap: Quantity
     projectile: Mapping[str, Quantity] | str | None
     preset: Literal["body armour"]
     opening: Quantity | tuple[Quantity, Quantity] | list[Quantity]

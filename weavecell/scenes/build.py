@@ -410,6 +410,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         if given["crossovers"] is not None and panel.impact_point is None:
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
         made = ShortSetup(**given)
+        made.check_contact_points()
     except InputError as problem:
         raise name_file(problem, file) from None
     for note in made.notes if file is not None else ():

@@ -26,6 +26,7 @@ from fabrics.base.schema import (
     validated,
 )
 from fabrics.yarn import STATUSES
+from shellfabric.panel_numbers import CellNumbers
 from weavecell.scenes import honoured, kept_files
 
 
@@ -118,7 +119,7 @@ class WeavingDamageTable(Table):
     )
 
 
-class FabricTable(Table):
+class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its model_config
     """The fabric of all plies that name no other, its compression law and the model of its unit
     cell. The first two lines are all that most input files need.
 
@@ -185,9 +186,6 @@ class FabricTable(Table):
         ),
         MayBeObject(),
     ] = None
-    crossover_gap: quantity(
-        "play between warp and weft at a crossover before they touch", "m", "0 mm", zero=True
-    ) = 0.0
     bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
 
     @model_validator(mode="after")
