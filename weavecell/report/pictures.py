@@ -4,6 +4,7 @@ here, on the axes."""
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Callable, Mapping
 from itertools import cycle
 from typing import Any
@@ -53,6 +54,12 @@ ENERGIES = (
     ("viscous", "viscous", PURPLE),
     ("yarn_snap", "yarns that snap taut", "#e5c7dd"),
     ("recoil_of_cut_yarns", "recoil of cut yarns", "#d3aecd"),
+    ("crossover_contact", "yarns, crossings pressed", "#6f9ceb"),
+    ("neighbour_contact", "yarns, neighbours pressed", "#c2a83e"),
+    ("crossover_friction", "yarns, friction of crossings", "#8fbc5a"),
+    ("slack_contact", "yarns, contacts of slack ones", "#d46a92"),
+    ("ply_collisions", "plies, collisions", "#a08bd6"),
+    ("ply_contact_lost", "plies, contact lost", "#c9b8e8"),
     ("backing_kinetic", "block, kinetic", "#f3dfc1"),
     ("backing_elastic", "block, elastic", "#e3c08a"),
     ("backing_plastic", "block, plastic", "#c58f45"),
@@ -64,7 +71,8 @@ ENERGIES = (
     ("backing_damped", "block, contact damping", "#d98f63"),
 )
 # of energies without a colour in ENERGIES, such as that of a new part, in turn
-OTHER_COLOURS = "#6f9ceb", "#c2a83e", "#8fbc5a", "#d46a92"
+OTHER_COLOURS = "#4fa3a5", "#b8894a", "#7a9e3f", "#b45f7d"
+LONGEST_LABEL = 28  # letters that the legend has room for in a line
 # the balance, and what is drawn with the strain energy, the contact and the friction
 NOT_DRAWN = "error", "formulation_residual", "ply_contact", "ply_friction"
 
@@ -75,7 +83,8 @@ def list_bands(energies: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     known = {name for name, *_ in ENERGIES}
     meanings = {key.name: key.meaning for key in TABLES["energies"]}
     others = [name for name in energies if name not in known and name not in NOT_DRAWN]
-    labels = [meanings.get(name, name.replace("_", " ")).partition(";")[0] for name in others]
+    texts = [meanings.get(name, name.replace("_", " ")).partition(";")[0] for name in others]
+    labels = [textwrap.fill(text, LONGEST_LABEL) for text in texts]
     return [*ENERGIES, *zip(others, labels, cycle(OTHER_COLOURS))]
 
 
