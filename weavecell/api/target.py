@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard, cast
 
 import tomlkit
 
@@ -221,7 +221,7 @@ def _target(scene, name, stem, text, from_file=False):
     return Target(case, build.setup(case, name), text, name, from_file)
 
 
-def _is_setup(target):
+def _is_setup(target: object) -> TypeGuard[ImpactSetup]:
     """Whether a target is a set-up, whose class comes with the solver."""
     from shellfabric.impact.setup import ImpactSetup
 
@@ -286,7 +286,8 @@ def resolve_target(
         raise InputError(
             "is missing", key="velocity", allowed='given for a fabric, such as "92.5 m/s"'
         )
-    panel = build_target(target, STRIKE if velocity is None else velocity, chosen, function)
+    fabric = cast("Fabric | FilePath | None", target)  # a set-up has left above
+    panel = build_target(fabric, STRIKE if velocity is None else velocity, chosen, function)
     for line in (f"projectile: {panel.projectile}", *list_assumptions(panel.setup)):
         build.LOG.info(line)
     return panel
