@@ -215,7 +215,7 @@ def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterato
     try:
         # a file is whole when it appears, and some network drives have no locks
         with h5py.File(path, "r", locking=False) as file:
-            stated = file.attrs.get("format")
+            stated = file.attrs.get("format", "")
             if stated not in formats:
                 raise InputError(
                     file=path, key="format", value=stated, allowed=" or ".join(map(repr, formats))

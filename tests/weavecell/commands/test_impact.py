@@ -189,6 +189,8 @@ def test_a_movie_without_its_package_names_the_package(command, copied, monkeypa
 def test_a_view_without_histories_names_the_file(command, copied):
     (copied / "histories.h5").unlink()
     assert "histories.h5" in command("view results --movie shot.gif")[2]
+    # a folder of another program has no list of files
+    (copied / ".weavecell-files").unlink()
     assert view.panel_of(copied, view.find(copied)) is None
 
 

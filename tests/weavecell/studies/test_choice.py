@@ -42,7 +42,8 @@ def test_pinned_yarns_that_hold_are_enough():
     )
     assert shot.residual_velocity == alone.residual_velocity
     size = wc.impact("S-726", "60 m/s", end_time="30 us", check=True, **SPHERE)
-    assert size.assumed[-1].startswith("if the checks ask for resolved yarns, another ")
+    start = "if the checks ask for resolved yarns, another "
+    assert any(line.startswith(start) for line in size.assumed)
 
 
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
@@ -78,7 +79,7 @@ outputs = ["report"]
     assert json.loads((tmp_path / "r/summary.json").read_text())["chosen"] == shot.chosen
     assert words in (tmp_path / "r/report.html").read_text("utf-8")
     size = wc.impact(scene, check=True)
-    assert size.assumed[-1] == words
+    assert words in size.assumed
     assert not any("another" in line for line in size.assumed)
 
 
