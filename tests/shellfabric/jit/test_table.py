@@ -83,7 +83,6 @@ FIXED.flags.writeable = False
         ("stiffness", np.zeros(8)[::2], "strides (16,)"),
         ("inner", None, "must be a row of Inner"),
         ("inner", np.zeros(1), "must be a row of Inner"),
-        ("taken", 1.5, "an array of float64 without dimensions, not 1.5"),
         ("taken", np.zeros(1), "without dimensions"),
         ("steps", np.zeros(()), "an array of int64 without dimensions"),
     ],

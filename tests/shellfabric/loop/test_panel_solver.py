@@ -69,7 +69,11 @@ def test_cloth_at_rest_stays_at_rest():
             assert np.any(table.stretch2 == 1.0)
             opening = tuple(48 * w for w in fabric.weave.w)
             panel = Panel(
-                table, opening, Projectile(radius=4 * min(fabric.weave.w)), "whole", boundary="free"
+                table,
+                opening,
+                projectile=Projectile(radius=4 * min(fabric.weave.w)),
+                symmetry="whole",
+                boundary="free",
             )
             solver, state, _ = out_of_reach(panel)
             for y, N, T in zip(state.yarn_length, state.N, state.T):
