@@ -109,16 +109,23 @@ def with_strengths(
         of_ply = number * stride + place
         factors = draw_strengths(strength, of_ply, uniform.yarn_counts, lengths)
         if ply.sides is not None:
-            factors = of_lines(factors, ply)
+            factors = of_lines(factors, ply, uniform)
         plies.append(replace(ply, strength_factors=factors))
     return replace(pack, plies=tuple(plies))
 
 
-def of_lines(strengths: Sequence[np.ndarray], panel: Panel) -> tuple[np.ndarray, ...]:
+def of_lines(
+    strengths: Sequence[np.ndarray], panel: Panel, uniform: Panel
+) -> tuple[np.ndarray, ...]:
     """Compute the (warp, weft) strength factors of the lines of a graded panel, from those of all
-    yarns."""
-    lines = zip(strengths, panel.lines()[::-1], panel.weave.w[::-1], panel.yarn_axes[::-1])
-    return tuple(
-        grading.weakest(factors, np.fix((1 + 1e-9) * x[axes] / (2 * w)))
-        for factors, x, w, axes in lines
-    )
+    yarns, which are those of the uniform panel."""
+    found = []
+    for axis, factors in ((1, strengths[0]), (0, strengths[1])):
+        yarns = uniform.lines()[axis][uniform.yarn_axes[axis]]
+        # off the middle of the opening there are more yarns on one side of the impact point
+        middle = int(np.argmin(np.abs(yarns)))
+        crossover = 2 * panel.weave.w[axis]
+        lines = panel.lines()[axis][panel.yarn_axes[axis]]
+        places = np.fix((1 + 1e-9) * lines / crossover)
+        found.append(grading.weakest(factors, places, middle))
+    return tuple(found)

@@ -142,23 +142,25 @@ def nearest_yarns(places: ArrayLike, lines_per_crossover: int) -> tuple[IntArray
     return axes, np.argmin(np.abs(at[:, None] - at[axes]) + inwards, axis=1)
 
 
-def weakest(factors: ArrayLike, places: ArrayLike) -> FloatArray:
+def weakest(factors: ArrayLike, places: ArrayLike, middle: int) -> FloatArray:
     """Find the strength factor (axes,) of the line at each axis: that of the weakest yarn that the
     line stands for.
 
     A line stands for the yarns up to halfway to its neighbours, and a yarn halfway belongs to both.
-    Those between a last line and the end of `factors` belong to no line.
+    Those between a last line and the end of `factors` belong to no line. A line that lies beyond
+    the edge, in the clamp, has the strength of the yarn next to it.
 
     Parameters
     ----------
-    factors : (yarns,) [-] of the yarns at the whole crossovers -(yarns - 1) / 2 ... (yarns - 1) / 2
+    factors : (yarns,) [-] of the yarns at whole crossovers, from edge to edge
     places : (axes,) [crossovers] of the axes, whole numbers that rise; 0 at the impact point
+    middle : number of the yarn at the impact point
     """
     given = np.asarray(factors, float)
-    at = np.asarray(places, np.int64) + np.size(factors) // 2
+    at = np.asarray(places, np.int64) + middle
     halves = 0.5 * np.diff(at)
-    low = np.ceil(at - np.insert(halves, 0, 0.0)).astype(int)
-    high = np.floor(at + np.append(halves, 0.0)).astype(int)
+    low = np.ceil(at - np.insert(halves, 0, 0.0)).astype(int).clip(0, given.size - 1)
+    high = np.floor(at + np.append(halves, 0.0)).astype(int).clip(0, given.size - 1)
     return np.array([given[a : b + 1].min() for a, b in zip(low, high)])
 
 

@@ -24,6 +24,7 @@ from panels import (
     table,
 )
 
+import weavecell as wc
 from shellfabric.cell.model import CellModel
 from shellfabric.loop import ply_kernels
 from shellfabric.loop.pack_solver import PackSolver
@@ -189,13 +190,32 @@ def test_a_line_has_the_strength_of_the_weakest_yarn_that_it_stands_for():
     """Against a plain loop over all pairs of yarn and line."""
     factors = np.random.default_rng(3).uniform(0.5, 1.5, 41)
     places = np.array([-20, -12, -8, -6, -5, -4, 0, 4, 6, 16])
-    for line, factor in enumerate(grading.weakest(factors, places)):
+    for line, factor in enumerate(grading.weakest(factors, places, 20)):
         mine = []
         for yarn in range(-20, 21):
             distance = abs(places - yarn)
             if distance[line] == distance.min() and places[0] <= yarn <= places[-1]:
                 mine.append(factors[yarn + 20])
         assert factor == min(mine)
+
+
+def test_off_the_middle_lines_take_the_yarns_of_their_side_and_those_in_the_clamp_the_last():
+    """Six yarns on one side of the impact point and two on the other; the lines reach four on both."""
+    factors = np.array([0.9, 1.3, 0.7, 1.1, 1.2, 0.8, 1.4, 1.6, 1.5])
+    places = [-4, -3, -2, -1, 0, 1, 2, 3, 4]
+    expected = [0.7, 1.1, 1.2, 0.8, 1.4, 1.6, 1.5, 1.5, 1.5]
+    assert grading.weakest(factors, places, 6).tolist() == expected
+    assert grading.weakest(factors[::-1], places, 2).tolist() == expected[::-1]
+
+
+@pytest.mark.parametrize("impact_point", [("0.2 mm", "0.3 mm"), ("5 mm", "-2 mm")])
+def test_drawn_strengths_of_a_graded_panel_that_is_struck_off_its_middle(impact_point):
+    options = {"opening": "30 mm", "symmetry": "whole", "impact_point": impact_point}
+    setup = wc.setup("S-720", "300 m/s", strength={"weibull_shape": 14.0}, **options)
+    ply = setup.target().plies[0]
+    for factors, axes in zip(ply.strength_factors, ply.yarn_axes[::-1]):
+        assert len(factors) == len(axes)
+        assert np.ptp(factors) > 0.1
 
 
 @pytest.mark.parametrize(
