@@ -85,7 +85,9 @@ def test_energies_of_the_solvers_are_documented_and_drawn():
         assert find(name, keys.TABLES["energies"])
     drawn = {name for name, *_ in pictures.list_bands(names)}
     assert set(names) <= drawn | set(pictures.NOT_DRAWN)
-    assert all(find(name, keys.TABLES["energies"]) for name in drawn)
+    # the recoil is a part of the viscous energy, drawn by itself
+    for name in drawn - {"recoil_of_cut_yarns"}:
+        assert find(name, keys.TABLES["energies"]), name
 
 
 def test_a_quantity_has_its_unit_at_the_end_of_its_key():
