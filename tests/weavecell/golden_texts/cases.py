@@ -42,7 +42,7 @@ MASKED = [
     (re.compile(r"\b[0-9a-f]{7,64}\b(?<![0-9]{7})"), "DIGEST"),
     (re.compile(r"(?<=weavecell )\d+\.\d+\.\d+\S*"), "VERSION"),
 ]
-PROGRESS = re.compile(r"\d %, \d\d:\d\d")
+PROGRESS = re.compile(r"\d %, \d\d:\d\d|compiling the kernels of")
 FLOAT = re.compile(r"-?\d+\.\d+(?:e[+-]?\d+)?")
 
 
@@ -118,7 +118,7 @@ def _printed(line):
             app.main(shlex.split(line))
         except SystemExit as leaving:
             code = leaving.code
-    # a long run says how far it is
+    # a long run says how far it is, the first one of a kind that it compiles
     shown = [line for line in err.getvalue().splitlines() if not PROGRESS.search(line)]
     errors = [f"! {line}" for line in shown]
     return [out.getvalue().rstrip("\n"), *errors, f"[exit code {code}]"]
