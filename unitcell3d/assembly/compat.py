@@ -113,6 +113,10 @@ class Assembler:
 
     def __init__(self, space: HexSpace, residual: Any, tangent: Any) -> None:
         self._space = space
+        # compiling the residual changes what UFL reads when it signs the tangent: unsigned, the same
+        # tangent is compiled once more by a process that finds the residual in the cache
+        for form in (residual, tangent):
+            form.signature()
         self._residual = _form(residual)
         self._tangent = _form(tangent)
         dofmap = space.displacements.dofmap

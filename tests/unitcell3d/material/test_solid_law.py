@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from fabrics.solid import SolidLaw
 from fabrics.yarn_stress_kernels import LOOSE_WIDTH, PACKED_WIDTH
 from tests.meshing.hexahedra import CUBE
+from unitcell3d.assembly import compat
 from unitcell3d.assembly.compat import Assembler, HexSpace
 from unitcell3d.material.solid_law import forms, transverse_modulus
 
@@ -98,3 +99,18 @@ def test_tangent_is_the_derivative_and_unsymmetric(cube):
         return solid.residual()
 
     assert_tangent(K, residual, u, direction, 1e-4, 1e-8)
+
+
+def test_residual_and_tangent_are_signed_before_either_is_compiled(monkeypatch, cube):
+    space, _ = cube
+    made = forms(space, space.cell_constants(PARAMETERS))
+    signed = []
+    old = compat._form
+
+    def compiled(form):
+        signed.append([one._signature is not None for one in made])
+        return old(form)
+
+    monkeypatch.setattr(compat, "_form", compiled)
+    Assembler(space, *made)
+    assert signed == [[True, True]] * 2
