@@ -6,6 +6,8 @@ JOBS ?= 2
 SEED ?= 1
 WITHIN ?= 0
 N ?= 1000
+# compiled modules are kept as kernels are: without them each process of the tests compiles its own for 15 s
+unexport PYTHONDONTWRITEBYTECODE
 # one BLAS thread a process: the work is shared out over processes instead
 RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 
