@@ -28,8 +28,9 @@ from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, placed
-from fabrics.base.files import read_columns, read_data
+from fabrics.base.files import read_data
 from fabrics.base.sourced import in_si
+from fabrics.base.tables import read_columns
 
 _LAW = Path(__file__).parent / "pressure_law.toml"
 _UNITS = {"c1": "Pa * m^3 / (kg/m^2)^3", "c2": "Pa * m^3", "start": "N", "peak": "N", "platen": "m"}

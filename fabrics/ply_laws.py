@@ -20,7 +20,7 @@ from fabrics import law_file
 from fabrics.assumed import family_of, transverse_moduli, with_solid_laws
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, placed
-from fabrics.base.files import read_columns
+from fabrics.base.tables import read_columns
 from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import STATUSES

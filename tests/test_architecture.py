@@ -94,7 +94,20 @@ def results_read_past_their_list(root):
             yield f"{name} reads a file of results past `open_folder`"
 
 
-RULES = kernels_that_are_not_plain, kernels_outside_the_cache, results_read_past_their_list
+def tables_of_users_read_elsewhere(root):
+    """One reader knows how instruments write a table: `fabrics.base.tables`."""
+    for name, _, text in sources(root):
+        own = name.startswith("validation/") or name == "fabrics/base/tables.py"
+        if not own and re.search(r"\bcsv\.(reader|DictReader)\(", text):
+            yield f"{name} reads a table past `fabrics.base.tables`"
+
+
+RULES = (
+    kernels_that_are_not_plain,
+    kernels_outside_the_cache,
+    results_read_past_their_list,
+    tables_of_users_read_elsewhere,
+)
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -125,6 +138,7 @@ def write(root, name, text):
         ),
         (kernels_outside_the_cache, "meshing/new.py", "class Pair(NamedTuple):\n    a: int\n"),
         (results_read_past_their_list, "weavecell/api/new.py", "content = json.loads(text)\n"),
+        (tables_of_users_read_elsewhere, "weavecell/studies/new.py", "csv.reader(file)\n"),
         (
             results_read_past_their_list,
             "weavecell/report/new.py",

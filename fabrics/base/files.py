@@ -5,44 +5,29 @@ Every HDF5 file of the project has the attribute "format" with its kind and vers
 compared when it is read.
 
 Texts of a user are UTF-8, with or without a byte order mark, or UTF-16 with one; lines end as on
-any system. Cells of a CSV file are separated by what its first line has of semicolons, commas and
-tabs, in this order. Numbers have a decimal point; where no comma separates cells, also a decimal
-comma, all of them. Lines that begin with # are comments. The first line of columns of numbers names
-them with their units, such as
-
-    time [us], displacement [mm]
-
-and every other line is a row of finite numbers.
+any system. Tables of numbers are those of `fabrics.base.tables`.
 """
 
 from __future__ import annotations
 
 import codecs
-import csv
 import json
 import os
 import re
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from io import BytesIO
-from math import isfinite, nan
 from pathlib import Path
 from typing import IO, Any
 
-import numpy as np
-
-from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, WeavecellError
-from fabrics.base.units import NUMBER, decimal_comma, refused, si
 
 # [bytes] this much must still fit on the disk behind a file that a library has written
 ROOM = 65536
-# a number with decimal marks, and a unit of up to two words
-_QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
-_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 # beginning of the names of files that are not finished; such a name ends as `mkstemp` has it
 UNFINISHED = ".weavecell-"
@@ -345,161 +330,3 @@ def control_character(text: str) -> str | None:
     if found is None:
         return None
     return f"U+{ord(found[0]):04X}"
-
-
-def read_csv(path: FilePath, what: str, words: Sequence[str] = ()) -> list[tuple[int, list[str]]]:
-    """Read a CSV file: (line number, cells without the blanks around them) of each line but empty
-    ones and comments.
-
-    Empty cells at the end of the first line, and below these, are left out. Decimal commas become
-    points.
-
-    Parameters
-    ----------
-    what : the file's content, given as what is allowed if it cannot be read
-    words : names of columns that hold no numbers, and stay as they are
-
-    Raises
-    ------
-    InputError : see `read_text`, a quotation mark that is not closed, a cell above the limit of
-        Python's csv (131,072 letters), or a comma that may be a decimal comma and may not
-    """
-    try:
-        lines = list(enumerate(read_text(path).split("\n"), 1))
-    except OSError as problem:
-        allowed = f"{what} ({problem.strerror})"
-        raise InputError("cannot be read", file=path, allowed=allowed) from problem
-    separator = None
-    # Excel writes this line to name the separator
-    if lines[0][1].startswith("sep="):
-        separator = lines.pop(0)[1][4:5]
-    # texts that were copied from a page may break lines by these
-    lines = [(n, line.translate({11: " ", 12: " "})) for n, line in lines]
-    for number, line in lines:
-        if (control := control_character(line)) is not None:
-            raise InputError(
-                f"has the control character {control}", file=path, key=f"line {number}"
-            )
-    lines = [
-        (n, line) for n, line in lines if line.strip("; ,\t") and not line.lstrip().startswith("#")
-    ]
-    if not lines:
-        return []
-    # semicolons before commas: where commas are decimal, a heading may have them in its words
-    separator = separator or next((mark for mark in ";,\t" if mark in lines[0][1]), ",")
-    rows = []
-    for number, line in lines:
-        try:
-            (cells,) = csv.reader([line + "\n"], delimiter=separator, skipinitialspace=True)
-        except csv.Error as problem:
-            raise InputError(
-                f"cannot be read ({problem})", file=path, key=f"line {number}"
-            ) from None
-        if any("\n" in cell for cell in cells):
-            raise InputError(
-                "has a quotation mark that is not closed", file=path, key=f"line {number}"
-            )
-        rows.append((number, [cell.strip() for cell in cells]))
-    columns = max((n for n, cell in enumerate(rows[0][1], 1) if cell), default=0)
-    for _, cells in rows:
-        while len(cells) > columns and not cells[-1]:
-            cells.pop()
-    # a file whose columns commas separate has no decimal commas
-    if separator != ",":
-        _point_decimals(rows, words, path)
-    return rows
-
-
-def _point_decimals(rows, words, path):
-    """Write the numbers of rows that no comma separates with a decimal point, in place."""
-    numbers = []
-    for line, cells in rows[1:]:
-        for column, (heading, cell) in enumerate(zip(rows[0][1], cells)):
-            quantity = None
-            if heading not in words:
-                quantity = _QUANTITY.fullmatch(cell)
-            if quantity:
-                numbers.append((line, cells, column, quantity))
-    with_comma = [entry for entry in numbers if "," in entry[3][1]]
-    # "12,345" can be read in two ways, "12,34" in one
-    sure = any(not _THOUSANDS.fullmatch(quantity[1]) for *_, quantity in with_comma)
-    with_point = any("." in quantity[1] for *_, quantity in numbers)
-    for line, cells, column, quantity in with_comma:
-        if with_point or not sure or quantity[1].count(",") > 1:
-            allowed = (
-                "written without commas: here they may be decimal commas, or separate thousands"
-            )
-            raise InputError(file=path, key=f"line {line}", value=quantity[0], allowed=allowed)
-        cells[column] = quantity[1].replace(",", ".") + quantity[2]
-
-
-def read_columns(
-    path: FilePath,
-    units: Mapping[str, str],
-    *,
-    what: str,
-    example: str,
-    either: Sequence[str] = (),
-) -> dict[str, FloatArray]:
-    """Read the columns of a file: {name: (n,) [SI]}.
-
-    Parameters
-    ----------
-    units : {name: SI unit} of its columns
-    what : what the file holds, for messages
-    example : of a heading, for messages
-    either : names of which the file has one, not all
-
-    Raises
-    ------
-    InputError : one line naming the file, the row, the value and what is allowed
-    """
-    needed = [name for name in units if name not in either]
-    columns = " and ".join(needed)
-    if either:
-        columns += f", and {' or '.join(either)}"
-    lines = read_csv(path, what)
-    if not lines:
-        raise InputError("is empty", file=path, allowed=f"{what}: {columns}")
-    heading = f"{' or '.join(units)} with its unit, such as {example}"
-    names, scales = zip(*(_heading(cell, units, heading, path) for cell in lines[0][1]))
-    choices = [sorted((*needed, name)) for name in either] or [sorted(needed)]
-    if sorted(names) not in choices:
-        raise InputError(file=path, key="columns", value=", ".join(names), allowed=columns)
-    rows = [_row(number, cells, names, path) for number, cells in lines[1:]]
-    return dict(zip(names, (np.array(rows).reshape(-1, len(names)) * scales).T))
-
-
-def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
-    """Read the finite number of a cell; else raise InputError."""
-    number = nan
-    if NUMBER.fullmatch(text):
-        number = float(text)
-    if not isfinite(number):
-        raise refused(text, allowed, file=file, key=key)
-    return number
-
-
-def _heading(cell, units, allowed, path):
-    """(name, SI value of its unit) of a heading such as "pressure [MPa]"."""
-    parts = re.fullmatch(r"(.+?)\s*\[([^\]]+)\]", cell)
-    if parts is None or parts[1] not in units:
-        raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-    return parts[1], si(f"1 {parts[2]}", units[parts[1]], file=path, key=parts[1])
-
-
-def _row(number, cells, names, path):
-    line = f"line {number}"
-    if len(cells) != len(names):
-        allowed = "two numbers"
-        if len(names) != 2:
-            allowed = f"{len(names)} numbers"
-        message = decimal_comma(cells)
-        if len(cells) == 2 * len(names):
-            message = "if these are decimal commas, separate the columns by semicolons"
-        raise InputError(message, file=path, key=line, value=", ".join(cells), allowed=allowed)
-    numbers = []
-    for name, cell in zip(names, cells):
-        key = f"{line}, {name}"
-        numbers.append(read_number(cell, "a finite number", file=path, key=key))
-    return numbers

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fabrics.base import files
+from fabrics.base import files, tables
 from fabrics.base.errors import InputError
 from fabrics.base.schema import read_toml
 
@@ -14,7 +14,7 @@ BYTE_ORDER_MARK = "\ufeff"
 
 def read(path):
     units = {"strain": "", "force": "N"}
-    return files.read_columns(path, units, what="a curve", example="strain [%]")
+    return tables.read_columns(path, units, what="a curve", example="strain [%]")
 
 
 def written(folder, text, encoding="utf-8"):

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_columns
 from fabrics.base.record import Record
+from fabrics.base.tables import read_columns
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from unitcell3d.cases import biaxial_and_platens

@@ -7,7 +7,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.files import read_csv
+from fabrics.base.tables import WORDS, read_table
 from weavecell.report.page import Section, Table
 from weavecell.results import display
 from weavecell.results.named_value import NamedValue
@@ -156,8 +156,13 @@ def _verdict(pair):
 def _compare_with_tests(pair):
     """A line of each quantity of such a shot that was compared with tests."""
     levels = {"ply" if pair.setup.plies == 1 else "pack", "backing" if pair.setup.backing else ""}
-    rows = read_csv(AGAINST_TESTS, "level, quantity, words")
-    return [f"against tests, {cells[1]}: {cells[2]}" for _, cells in rows if cells[0] in levels]
+    columns = dict.fromkeys(("level", "quantity", "words"), WORDS)
+    table = read_table(AGAINST_TESTS, columns, what="comparisons with tests", example="level")
+    return [
+        f"against tests, {row['quantity']}: {row['words']}"
+        for _, row in table.rows()
+        if row["level"] in levels
+    ]
 
 
 def section(pair: Discretisation) -> Section:

@@ -34,7 +34,7 @@ import numpy as np
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_columns
+from fabrics.base.tables import read_columns
 
 if TYPE_CHECKING:
     from unitcell3d.identify.shear_fit import ShearFit

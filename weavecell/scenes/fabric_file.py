@@ -21,11 +21,12 @@ from math import degrees
 from pathlib import Path
 
 from fabrics import assumed, catalogue, plausible
+from fabrics.base import tables
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, nearest, together
-from fabrics.base.files import read_csv, replace_whole
-from fabrics.base.units import decimal_comma, refused, si
+from fabrics.base.files import replace_whole
+from fabrics.base.units import refused, si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
 from weavecell.scenes import curves
@@ -38,7 +39,13 @@ ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
 INSTEAD = {"failure_strain": ("strength", BREAKING, "tenacity"), "crimp": ("thickness",)}
 # of which a fibre family has a typical value
 TYPICAL = ("fibre_density", "modulus", "failure_strain")
-COLUMNS = ("key", "warp", "weft", "source", "status")
+COLUMNS = {
+    "key": tables.WORDS,
+    "warp": tables.QUANTITIES,
+    "weft": tables.QUANTITIES,
+    "source": tables.WORDS,
+    "status": tables.WORDS,
+}
 
 
 @dataclass(frozen=True)
@@ -138,37 +145,24 @@ def read_values(path: FilePath, family: str | None = None) -> dict[str, Value]:
     InputError : all that is wrong, a line each naming the file, the key, the value and what is
         allowed
     """
-    rows = read_csv(path, "a CSV file of key, warp, weft", words=("key", "source", "status"))
-    heading = []
-    if rows:
-        heading = rows[0][1]
-    once = len(set(heading)) == len(heading)
-    if heading[:3] != list(COLUMNS[:3]) or not set(heading) <= set(COLUMNS) or not once:
-        raise InputError(
-            file=path, key="columns", value=", ".join(heading), allowed=", ".join(COLUMNS)
-        )
+    table = tables.read_table(
+        path,
+        COLUMNS,
+        what="a CSV file of key, warp, weft",
+        example="key, warp, weft",
+        optional=("weft", "source", "status"),
+    )
     values: dict[str, Value] = {}
     problems: list[InputError] = []
     tried: set[str] = set()
-    lines: dict[str, int] = {}
-    for number, cells in rows[1:]:
-        key = cells[0]
+    lines: dict[str, str] = {}
+    for line, cells in table.rows():
+        key = cells["key"]
         tried |= {key, nearest(key, ALL) or key}
-        if lines.setdefault(key, number) != number:
-            message = f"{key} is given in line {lines[key]} already"
-            problems.append(
-                InputError(message, file=path, key=f"line {number}", allowed="given once")
-            )
-            continue
-        if not 2 <= len(cells) <= len(heading):
-            hint = decimal_comma(",".join(cells))
-            message = f"{len(cells)} fields, {len(heading)} expected" + (
-                f"; {hint}" if hint else ""
-            )
-            problems.append(
-                InputError(message, file=path, key=f"line {number}", value=", ".join(cells))
-            )
-        elif (value := _row(dict(zip(heading, cells)), number, path, problems)) is not None:
+        if lines.setdefault(key, line) != line:
+            message = f"{key} is given in {lines[key]} already"
+            problems.append(InputError(message, file=path, key=line, allowed="given once"))
+        elif (value := _row(cells, line, path, problems)) is not None:
             values[key] = value
     values = complete(values, family)
     tried |= set(values)
@@ -188,7 +182,7 @@ def read_values(path: FilePath, family: str | None = None) -> dict[str, Value]:
     return values
 
 
-def _row(entry, number, path, problems):
+def _row(entry, line, path, problems):
     """The Value of one row, or None with what is wrong with it added to `problems`."""
     key = entry["key"]
     if key not in ALL:
@@ -208,7 +202,7 @@ def _row(entry, number, path, problems):
         allowed = (
             f"left out in the column weft: {key} is one value of the fabric, in the column warp"
         )
-        where = f"line {number}, {key}"
+        where = f"{line}, {key}"
         problems.append(InputError(file=path, key=where, value=entry["weft"], allowed=allowed))
     weft = ""
     if key not in OF_FABRIC:

@@ -35,7 +35,7 @@ from scipy.stats import t as student
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_columns
+from fabrics.base.tables import read_columns
 
 CONFIDENCE = 0.95
 # the exponent of the thesis
@@ -85,10 +85,10 @@ class CompressionRecord:
             allowed = f"at least {FEWEST} up to the largest force"
             raise InputError(file=path, key="rows", value=last, allowed=allowed)
         if not load.min() > 0:
-            row = int(np.argmin(load)) + 2
+            line = column.table.place(int(np.argmin(load)))
             allowed = "above 0: leave out the rows before the platens touch"
             raise InputError(
-                file=path, key="force", value=f"row {row}: {load.min():g} N", allowed=allowed
+                file=path, key=f"{line}, force", value=f"{load.min():g} N", allowed=allowed
             )
         return cls(load, column["displacement"][:last], str(path))
 

@@ -30,7 +30,7 @@ from scipy.interpolate import BSpline, make_smoothing_spline
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_columns
+from fabrics.base.tables import read_columns
 
 FEWEST = 20
 # of the polynomial whose rest is smoothed
@@ -97,8 +97,8 @@ def read(path: FilePath) -> tuple[FloatArray, FloatArray]:
         raise InputError(file=path, key="rows", value=len(time), allowed=f"at least {FEWEST}")
     steps = np.diff(time)
     if not steps.min() > 0:
-        row = int(np.argmin(steps)) + 3
-        raise InputError(file=path, key="time", value=f"row {row}", allowed="rising")
+        line = column.table.place(int(np.argmin(steps)) + 1)
+        raise InputError(file=path, key="time", value=line, allowed="rising")
     return time, column["displacement"]
 
 

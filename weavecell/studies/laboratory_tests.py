@@ -13,10 +13,10 @@ import numpy as np
 from scipy.stats import t as student
 
 from fabrics import plausible
+from fabrics.base import tables
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_csv, read_number
-from fabrics.base.units import refused, si
+from fabrics.base.units import refused
 from shellfabric.membrane.indicator import status
 from weavecell.studies import lambert_jonas, probit, protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
@@ -41,12 +41,10 @@ FASTEST = 1000.0
 
 
 def read(path: FilePath) -> DataFrame:
-    """Read the shots of a laboratory from a CSV file: a heading, then a row a shot.
+    """Read the shots of a laboratory from a table of users (`fabrics.base.tables`), a row a shot.
 
     The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated)
-    and, where it was measured, "residual velocity [m/s]", in any order, case and unit of speed,
-    which may stand in round brackets. Other columns are left out, and the log names them. Lines
-    that begin with # are left out.
+    and, where it was measured, "residual velocity [m/s]", in any unit of speed.
 
     Returns
     -------
@@ -59,65 +57,30 @@ def read(path: FilePath) -> DataFrame:
     """
     from pandas import DataFrame
 
-    lines = read_csv(path, "a table of tests, CSV")
-    if len(lines) < 2:
+    found = tables.read_table(
+        path,
+        {VELOCITY: "m/s", OUTCOME: tables.WORDS, RESIDUAL: "m/s"},
+        what="a table of tests, CSV",
+        example=f"{VELOCITY} [m/s]",
+        optional=(RESIDUAL,),
+    )
+    if not found.lines:
         raise InputError("has no shot", file=path, allowed="a heading and one row for each shot")
-    units = _units(lines[0][1], path)
-    table = DataFrame(_row(number, cells, units, path) for number, cells in lines[1:])
+    table = DataFrame(_shot_of(found, line, cells) for line, cells in found.rows())
     slowest = plausible.Number(VELOCITY, "strike_velocity", float(table[VELOCITY].min()))
     for note in plausible.judge([slowest], file=path):
         LOG.info(f"note: {path}: {note}")
     return table
 
 
-def _units(heading, path):
-    """{column: its scale to m/s; None of outcomes} in the order of the file; columns of other names
-    have None too, and the log says that they are left out."""
-    units: dict[str, float | None] = {}
-    others = []
-    for cell in heading:
-        title, _, unit = cell.replace("(", "[").partition("[")
-        name = " ".join(title.lower().split())
-        unit = unit.rstrip(") ]")
-        if name not in (VELOCITY, OUTCOME, RESIDUAL):
-            others.append(cell)
-            name = cell
-        if (
-            name in units
-            or (name == OUTCOME and unit)
-            or (name in (VELOCITY, RESIDUAL) and not unit)
-        ):
-            allowed = f"{VELOCITY} [m/s], {OUTCOME} and {RESIDUAL} [m/s], each once"
-            raise InputError(file=path, key="heading", value=cell, allowed=allowed)
-        if name in (VELOCITY, RESIDUAL):
-            units[name] = si(f"1 {unit}", "m/s", file=path, key=name)
-        else:
-            units[name] = None
-    for name in (VELOCITY, OUTCOME):
-        if name not in units:
-            raise InputError(
-                file=path, key="heading", value=", ".join(heading), allowed=f"with a column {name}"
-            )
-    if others:
-        LOG.info(f"{path}: left out, columns that are not known: {', '.join(others)}")
-    return units
-
-
-def _row(number, values, units, path):
-    """{column: value} of a line, in SI."""
-    cells = dict(zip(units, values))
-    line = f"line {number}"
-    if len(values) != len(units):
-        raise InputError(
-            file=path, key=line, value=", ".join(values), allowed=f"{len(units)} values"
-        )
+def _shot_of(table, line, cells):
+    """{column: value} of a line of a Table, in SI."""
 
     def refusal(name, allowed):
-        return refused(cells[name], allowed, file=path, key=f"{line}, {name}")
+        return refused(cells[name], allowed, file=table.path, key=f"{line}, {name}")
 
     def speed(name):
-        number = read_number(cells[name], "a finite number", file=path, key=f"{line}, {name}")
-        value = number * units[name]
+        value = table.number(line, name, cells[name])
         if name == RESIDUAL and value < 0:
             raise refusal(name, "at least 0: a projectile that rebounds has stopped")
         if name == VELOCITY and not value > 0:

@@ -87,7 +87,7 @@ def test_gap_and_force_law_are_those_of_the_equations():
     "rows, line",
     [
         ("1, 1\n2, 2\n", "rows = 2: must be at least 10 up to the largest force"),
-        ("".join(f"{n}, {n}\n" for n in range(12)), "force = 'row 2: 0 N': must be above 0"),
+        ("".join(f"{n}, {n}\n" for n in range(12)), "line 2, force = '0 N': must be above 0"),
     ],
 )
 def test_a_record_that_cannot_be_reduced_is_refused(tmp_path, rows, line):

@@ -1,0 +1,516 @@
+"""Tables of users: CSV files of laboratories, testing machines, radars and data sheets.
+
+One reader for all of them. A table has a heading that names its columns, each with its unit, such as
+
+    time [us], displacement [mm]
+
+and below it a row each. Names are read in any case, with what machines call the same thing
+(`SYNONYMS`); a unit stands in square or round brackets, after a solidus or behind the name, or in a
+row of units below the heading. What stands above the heading is left out, as are columns that
+nobody asks for, and the log says so. A heading may begin with #; other lines that do are comments.
+
+Cells are separated by semicolons, commas or tabs, whichever makes a heading of a line. Numbers have
+a decimal point; where no comma separates cells, also a decimal comma, all of them.
+"""
+
+from __future__ import annotations
+
+import csv
+import logging
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+
+import numpy as np
+
+from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.errors import InputError
+from fabrics.base.files import control_character, read_text
+from fabrics.base.units import NUMBER, decimal_comma, refused, si
+
+LOG = logging.getLogger("weavecell")
+# kinds of columns that hold no numbers alone: any text, and texts of a number with its unit
+WORDS = "words"
+QUANTITIES = "quantities"
+SEPARATORS = ";,\t"
+# what machines, radars and laboratories call a column; the first that a table has is taken
+SYNONYMS = {
+    "time": ("elapsed time", "test time", "t"),
+    "displacement": (
+        "extension",
+        "standard travel",
+        "travel",
+        "crosshead displacement",
+        "crosshead",
+        "stroke",
+        "distance",
+        "position",
+        "range",
+    ),
+    "force": ("load", "standard force"),
+    "strain": ("elongation", "tensile strain"),
+    "velocity": (
+        "strike velocity",
+        "striking velocity",
+        "impact velocity",
+        "speed",
+        "striking speed",
+    ),
+    "residual velocity": ("residual speed", "exit velocity", "residual"),
+    "outcome": ("result", "penetration"),
+    "shear angle": ("angle",),
+    "pressure": ("compressive stress",),
+}
+# what instruments write for a unit, in small letters
+_UNITS = {
+    "sec": "s",
+    "secs": "s",
+    "seconds": "s",
+    "msec": "ms",
+    "usec": "us",
+    "µs": "us",
+    "μs": "us",
+    "µm": "um",
+    "μm": "um",
+    "fps": "ft/s",
+    "feet/s": "ft/s",
+    "ft/sec": "ft/s",
+    "m/sec": "m/s",
+    "degrees": "deg",
+    "°": "deg",
+    "newton": "N",
+    "newtons": "N",
+    "kn": "kN",
+    "pct": "%",
+    "percent": "%",
+    # of a number without dimension, beside its own name
+    "-": "",
+    "1": "",
+    "mm/mm": "",
+    "in/in": "",
+}
+# a number with decimal marks, and a unit of up to two words
+_QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
+_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
+_IN_BRACKETS = re.compile(r"[\[(](.*)[\])]")
+
+Row = tuple[int, list[str]]  # number of the line, its cells
+
+
+@dataclass(frozen=True)
+class Table:
+    """The columns that were asked for.
+
+    Parameters
+    ----------
+    lines : (n,) number of the line of each row in the file
+    cells : {name: (n,)} texts; "" where a row ends before the column
+    scales : {name: value of its unit in SI} of columns of numbers
+    """
+
+    path: FilePath
+    lines: tuple[int, ...]
+    cells: Mapping[str, Sequence[str]]
+    scales: Mapping[str, float]
+
+    def rows(self) -> Iterator[tuple[str, dict[str, str]]]:
+        """Yield ("line 7", {name: cell}) of each row."""
+        for number, *cells in zip(self.lines, *self.cells.values()):
+            yield f"line {number}", dict(zip(self.cells, cells))
+
+    def number(self, line: str, name: str, cell: str) -> float:
+        """Return the number of a cell in SI; InputError names the line and the column."""
+        return self.scales[name] * read_number(
+            cell, "a finite number", file=self.path, key=f"{line}, {name}"
+        )
+
+    def place(self, index: int) -> str:
+        """Name the line of a row, for messages."""
+        return f"line {self.lines[index]}"
+
+
+class Columns(dict[str, FloatArray]):
+    """Columns of numbers {name: (n,) [SI]}; `table` knows their lines."""
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        read = [
+            [table.number(line, name, row[name]) for name in table.cells]
+            for line, row in table.rows()
+        ]
+        super().__init__(zip(table.cells, np.array(read).reshape(-1, len(table.cells)).T))
+
+
+def read_columns(
+    path: FilePath,
+    units: Mapping[str, str],
+    *,
+    what: str,
+    example: str,
+    either: Sequence[str] = (),
+) -> Columns:
+    """Read columns of numbers.
+
+    Parameters
+    ----------
+    units : {name: SI unit} of the columns
+    what : what the file holds, for messages
+    example : of a heading, for messages
+    either : names of which the file has one, not all
+
+    Raises
+    ------
+    InputError : one line naming the file, the row, the value and what is allowed
+    """
+    return Columns(read_table(path, units, what=what, example=example, either=either))
+
+
+def read_table(
+    path: FilePath,
+    kinds: Mapping[str, str],
+    *,
+    what: str,
+    example: str,
+    either: Sequence[str] = (),
+    optional: Sequence[str] = (),
+) -> Table:
+    """Read the columns of a table that are asked for, see the top of this file.
+
+    Parameters
+    ----------
+    kinds : {name: SI unit, WORDS or QUANTITIES} of the columns
+    either : names of which the file has one, not all
+    optional : names that it may lack
+    others : see `read_columns`
+
+    Raises
+    ------
+    InputError : see `read_text`; no heading with these columns, a column that is there twice or
+        without a unit, a row that is too long or too short, a quotation mark that is not closed, or
+        a comma that may be a decimal comma and may not
+    """
+    lines = _lines_of(path, what)
+    wanted = _Wanted(path, kinds, tuple(either), tuple(optional), what, example)
+    if not lines:
+        raise InputError("is empty", file=path, allowed=f"{what}: {wanted.words}")
+    separator, (first, heading), rows = _find_heading(lines, wanted)
+    places = wanted.choose(heading)
+    below = [(number, cells) for number, cells in rows if number > first]
+    units_below = wanted.units_below(below, places)
+    scales = wanted.scales(heading, places, units_below)
+    if units_below:
+        below = below[1:]
+    _tell_left_out(path, first, sum(number < first for number, _ in rows), heading, places)
+    _check_lengths(below, heading, [places[name] for name in places if name not in optional], path)
+    if separator != ",":
+        numbers = [place for name, place in places.items() if kinds[name] != WORDS]
+        _point_decimals(below, numbers, path)
+    width = len(heading)
+    cells = {
+        name: [(row + [""] * width)[place] for _, row in below] for name, place in places.items()
+    }
+    return Table(path, tuple(number for number, _ in below), cells, scales)
+
+
+def _tell_left_out(path, first, above, heading, places):
+    """Log what of a table is not read: lines above the heading and columns that nobody asks for."""
+    if above:
+        LOG.info(f"{path}: left out, {above} lines above the heading in line {first}")
+    others = [cell for place, cell in enumerate(heading) if cell and place not in places.values()]
+    if others:
+        LOG.info(f"{path}: left out, columns that are not known: {', '.join(others)}")
+
+
+def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
+    """Read the finite number of a cell; else raise InputError."""
+    number = nan
+    if NUMBER.fullmatch(text):
+        number = float(text)
+    if not isfinite(number):
+        raise refused(text, allowed, file=file, key=key)
+    return number
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """The columns that are asked for, and how they are recognised."""
+
+    path: FilePath
+    kinds: Mapping[str, str]
+    either: tuple[str, ...]
+    optional: tuple[str, ...]
+    what: str
+    example: str
+
+    @property
+    def needed(self) -> list[str]:
+        """Names that every table has."""
+        return [name for name in self.kinds if name not in (*self.either, *self.optional)]
+
+    @property
+    def words(self) -> str:
+        """The columns, for messages."""
+        words = " and ".join(self.needed)
+        if self.either:
+            words += f", and {' or '.join(self.either)}"
+        return words
+
+    @property
+    def advice(self) -> str:
+        """What a heading may be, for messages."""
+        heading = " or ".join(self.kinds)
+        if any(kind not in (WORDS, QUANTITIES) for kind in self.kinds.values()):
+            heading += f" with its unit, such as {self.example}"
+        return heading
+
+    def name_of(self, cell: str) -> tuple[str, int, str]:
+        """Return (name, rank, unit as it is written) of a heading; name "" if it is not asked for.
+
+        rank : 0 of the name itself, then the order of its synonyms
+        """
+        text = " ".join(cell.replace("_", " ").split()).lstrip("# ")
+        found: tuple[str, int, str] = ("", 0, "")
+        longest = 0
+        for name in self.kinds:
+            for rank, title in enumerate((name, *SYNONYMS.get(name, ()))):
+                rest = text[len(title) :]
+                if (
+                    not text.lower().startswith(title)
+                    or rest[:1].isalnum()
+                    or len(title) <= longest
+                ):
+                    continue
+                unit = self._unit_behind(rest, self.kinds[name])
+                if unit is not None:
+                    found = name, rank, unit
+                    longest = len(title)
+        return found
+
+    def _unit_behind(self, rest, kind):
+        """The unit that follows a name in a heading, "" if none does; None if other words do."""
+        rest = rest.strip()
+        bracket = _IN_BRACKETS.fullmatch(rest)
+        if bracket:
+            return bracket[1].strip() or "-"
+        unit = re.sub(r"^(in |/|,|:|-)\s*", "", rest)
+        if not unit:
+            return ""
+        try:
+            _scale(unit, kind)
+        except InputError:
+            return None
+        return unit
+
+    def has_all(self, cells: Sequence[str]) -> bool:
+        """Tell whether a row names all columns that are needed."""
+        names = {self.name_of(cell)[0] for cell in cells}
+        return {*self.needed} <= names and (not self.either or bool(names & {*self.either}))
+
+    def choose(self, heading: Sequence[str]) -> dict[str, int]:
+        """Return {name: number of its column}, each once; refuse a heading that lacks one or has it
+        twice."""
+        known = [(*self.name_of(cell)[:2], place) for place, cell in enumerate(heading)]
+        known = [entry for entry in known if entry[0]]
+        if not self.has_all(heading):
+            # a heading of which nothing is known is told by its first cell
+            if not known:
+                raise InputError(
+                    file=self.path, key="heading", value=heading[0], allowed=self.advice
+                )
+            raise InputError(
+                file=self.path, key="columns", value=", ".join(heading), allowed=self.words
+            )
+        chosen: dict[str, int] = {}
+        for name, rank, place in sorted(known, key=lambda entry: (entry[1], entry[2])):
+            if name in chosen:
+                # of synonyms the first is taken, and the other is told as left out
+                if self.name_of(heading[chosen[name]])[1] == rank:
+                    raise InputError(
+                        file=self.path,
+                        key="heading",
+                        value=heading[place],
+                        allowed=f"a column {name} that is there once",
+                    )
+                continue
+            chosen[name] = place
+            if rank:
+                LOG.info(f"{self.path}: {heading[place]} is taken for {name}")
+        both = [name for name in self.either if name in chosen]
+        if len(both) > 1:
+            raise InputError(
+                file=self.path, key="columns", value=", ".join(heading), allowed=self.words
+            )
+        return {name: chosen[name] for name in self.kinds if name in chosen}
+
+    def units_below(self, below: Sequence[Row], places: Mapping[str, int]) -> dict[str, str]:
+        """Return {name: unit} of a row of units below the heading; empty if there is none."""
+        units: dict[str, str] = {}
+        if not below:
+            return units
+        _, row = below[0]
+        for name in self._numbers(places):
+            cell = ""
+            if places[name] < len(row):
+                cell = row[places[name]]
+            bracket = _IN_BRACKETS.fullmatch(cell)
+            if bracket:
+                cell = bracket[1].strip()
+            if not cell or NUMBER.fullmatch(cell):
+                return {}
+            try:
+                _scale(cell, self.kinds[name])
+            except InputError:
+                return {}
+            units[name] = cell
+        return units
+
+    def scales(
+        self, heading: Sequence[str], places: Mapping[str, int], units_below: Mapping[str, str]
+    ) -> dict[str, float]:
+        """Return {name: SI value of its unit} of columns of numbers, from the heading or below it."""
+        found = {}
+        for name, place in places.items():
+            cell = heading[place]
+            unit = self.name_of(cell)[2]
+            if self.kinds[name] == WORDS and unit:
+                raise InputError(file=self.path, key="heading", value=cell, allowed=f"{name} alone")
+        for name in self._numbers(places):
+            cell = heading[places[name]]
+            written = self.name_of(cell)[2]
+            units = [unit for unit in (written, units_below.get(name, "")) if unit]
+            if not units:
+                raise InputError(
+                    "has no unit", file=self.path, key="heading", value=cell, allowed=self.advice
+                )
+            of_each = {_scale(unit, self.kinds[name], self.path, name) for unit in units}
+            if len(of_each) > 1:
+                allowed = f"one unit: the row below says {units[1]}"
+                raise InputError(file=self.path, key="heading", value=cell, allowed=allowed)
+            found[name] = of_each.pop()
+        return found
+
+    def _numbers(self, places):
+        """Names of the columns of numbers."""
+        return [name for name in places if self.kinds[name] not in (WORDS, QUANTITIES)]
+
+
+def _scale(written, unit, path=None, name=None):
+    """SI value of one of a unit, as instruments write it; InputError if it is none of `unit`."""
+    folded = _UNITS.get(written.lower())
+    if folded == "" and not unit:
+        return 1.0
+    tried = [written, folded or written.lower()]
+    for text in tried[:-1]:
+        try:
+            return si(f"1 {text}", unit)
+        except InputError:
+            continue
+    try:
+        return si(f"1 {tried[-1]}", unit)
+    except InputError as problem:
+        raise problem.changed(file=path, key=name, value=f"1 {written}") from None
+
+
+def _lines_of(path, what):
+    """[(number, text)] of the lines of a file that are not empty."""
+    try:
+        lines = list(enumerate(read_text(path).split("\n"), 1))
+    except OSError as problem:
+        allowed = f"{what} ({problem.strerror})"
+        raise InputError("cannot be read", file=path, allowed=allowed) from problem
+    # texts that were copied from a page may break lines by these
+    lines = [(n, line.translate({11: " ", 12: " "})) for n, line in lines]
+    for number, line in lines:
+        if (control := control_character(line)) is not None:
+            raise InputError(
+                f"has the control character {control}", file=path, key=f"line {number}"
+            )
+    return [(n, line) for n, line in lines if line.strip("; ,\t")]
+
+
+def _find_heading(lines, wanted):
+    """(separator, heading, rows without comments) with the first line that has all columns; without
+    one, the first line that is no comment."""
+    separators = SEPARATORS
+    # Excel writes this line to name the separator
+    if lines[0][1].startswith("sep="):
+        separators = lines.pop(0)[1][4:5]
+    plain = [entry for entry in lines if not entry[1].lstrip().startswith("#")]
+    # a heading may be a comment, if no other line is one
+    for candidates in (plain, lines):
+        for separator in separators:
+            for line in candidates:
+                if separator in line[1] or len(wanted.needed) == 1:
+                    cells = _split(line, separator, wanted.path)
+                    if wanted.has_all(cells):
+                        rows = [_cells_of(entry, separator, wanted.path) for entry in plain]
+                        return separator, (line[0], _without_empty_end(cells)), rows
+    first = (plain or lines)[0]
+    # semicolons before commas: where commas are decimal, a heading may have them in its words
+    separator = next((mark for mark in separators if mark in first[1]), ",")
+    rows = [_cells_of(entry, separator, wanted.path) for entry in plain]
+    return separator, (first[0], _without_empty_end(_split(first, separator, wanted.path))), rows
+
+
+def _cells_of(entry, separator, path):
+    return entry[0], _split(entry, separator, path)
+
+
+def _split(entry, separator, path):
+    """Cells of a line, without the blanks around them."""
+    number, line = entry
+    try:
+        (cells,) = csv.reader([line + "\n"], delimiter=separator, skipinitialspace=True)
+    except csv.Error as problem:
+        raise InputError(f"cannot be read ({problem})", file=path, key=f"line {number}") from None
+    if any("\n" in cell for cell in cells):
+        raise InputError("has a quotation mark that is not closed", file=path, key=f"line {number}")
+    return [cell.strip() for cell in cells]
+
+
+def _without_empty_end(cells):
+    while cells and not cells[-1]:
+        cells = cells[:-1]
+    return cells
+
+
+def _check_lengths(rows, heading, needed, path):
+    """Cut empty cells behind the heading, in place; refuse a row that goes on, or ends before the
+    columns that are needed."""
+    fewest = max(needed) + 1
+    for number, cells in rows:
+        while len(cells) > len(heading) and not cells[-1]:
+            cells.pop()
+        if fewest <= len(cells) <= len(heading):
+            continue
+        allowed = f"{len(heading)} cells"
+        if len(heading) == 2:
+            allowed = "two numbers"
+        message = decimal_comma(cells)
+        if len(cells) == 2 * len(heading):
+            message = "if these are decimal commas, separate the columns by semicolons"
+        raise InputError(
+            message, file=path, key=f"line {number}", value=", ".join(cells), allowed=allowed
+        )
+
+
+def _point_decimals(rows, places, path):
+    """Write the numbers of columns that no comma separates with a decimal point, in place."""
+    numbers = []
+    for line, cells in rows:
+        for place in places:
+            quantity = _QUANTITY.fullmatch(cells[place]) if place < len(cells) else None
+            if quantity:
+                numbers.append((line, cells, place, quantity))
+    with_comma = [entry for entry in numbers if "," in entry[3][1]]
+    # "12,345" can be read in two ways, "12,34" in one
+    sure = any(not _THOUSANDS.fullmatch(quantity[1]) for *_, quantity in with_comma)
+    with_point = any("." in quantity[1] for *_, quantity in numbers)
+    for line, cells, place, quantity in with_comma:
+        if with_point or not sure or quantity[1].count(",") > 1:
+            allowed = (
+                "written without commas: here they may be decimal commas, or separate thousands"
+            )
+            raise InputError(file=path, key=f"line {line}", value=quantity[0], allowed=allowed)
+        cells[place] = quantity[1].replace(",", ".") + quantity[2]
