@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from fabrics.base.schema import flag, key, quantity
+from fabrics.base.schema import Unread, flag, key, quantity
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -48,6 +48,7 @@ class PanelNumbers:
     ] = True
     rate_dependence: Annotated[
         bool,
+        Unread("export", "false: cards have one strength"),
         key(
             flag(
                 "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the "

@@ -36,7 +36,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact.run import run_impact
 from unitcell3d.identify.calibrate import calibrate
-from weavecell.scenes import build, honoured, impact
+from weavecell.scenes import build, impact
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.fabric_table import check_scene
 from weavecell.studies import ballistic_limit, inputs, pull_out, v50
@@ -56,7 +56,7 @@ NUMBERS = read_toml(FOLDER / "numbers.toml", what="table of numbers")[1]
 def setup(path):
     """Build the set-up of an input file of an impact."""
     _, table = read_toml(path, what="input")
-    scene = impact.check(table, path, honoured.IMPACT)
+    scene = impact.check(table, path, "shot")
     return build.setup(build.build(scene, path, path.stem), path)
 
 
@@ -70,7 +70,7 @@ def run_shot(case):
 def coupon_test(path):
     """Run the coupon test of an input file."""
     _, table = read_toml(path, what="input")
-    scene = check_scene(CouponScene, table, path, honoured.COUPON)
+    scene = check_scene(CouponScene, table, path, "coupon")
     case = build.build(scene, path, path.stem)
     table = CellModel(case.fabric, case.laws).table(201)
     if scene.test == "pull_out":

@@ -9,10 +9,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from fabrics.base.schema import Table, entries, tables, unit_of
-from weavecell.decks import folder
+from fabrics.base.schema import Table, entries, tables, unit_of, unread, with_tables
 from weavecell.results import keys
-from weavecell.scenes import honoured
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 
@@ -33,12 +31,8 @@ Each entry has the allowed values, the SI unit of the default, and the default. 
 out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *limits* are
 `weavecell critical-velocity` and `v50`, *export* and *coupon* are the commands of these names; `sweep`,
 `compare` and `reduce tests` use keys as the command that they repeat."""
-COMMANDS = {
-    "impact": honoured.IMPACT,
-    "limits": honoured.LIMITS,
-    "export": folder.NOT_HONOURED,
-    "coupon": honoured.COUPON,
-}
+# command: what it reads a scene for
+COMMANDS = {"impact": "shot", "limits": "limit", "export": "export", "coupon": "coupon"}
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
@@ -117,9 +111,8 @@ def _commands(key, model):
     names = [name for name in COMMANDS if both or (name == "coupon") == (model is CouponScene)]
     use: dict[str, list[str]] = {"used": [], "ignored": [], "refused": []}
     for name in names:
-        stands = [
-            COMMANDS[name][part] for part in honoured.with_tables(key) if part in COMMANDS[name]
-        ]
+        words = unread(model, COMMANDS[name])
+        stands = [words[part] for part in with_tables(key) if part in words]
         use["refused" if any(stands) else "ignored" if stands else "used"].append(name)
     used = use.pop("used")
     parts = ["all" if len(used) == len(names) > 1 else ", ".join(used) or "none"]

@@ -4,8 +4,10 @@ each error.
 A field of a table is all that is said of its key: type, unit, limits, default, what it means
 (`title`) and what is allowed (`description`). Marks say how Python gives it (`AsKeywords`,
 `AsDict`, `FileOnly`, `MayBeObject`) and what it is in the standard shot (`StandardShot`): they stand
-beside the field's type, `Annotated[string(...), FileOnly()]`. What keys mean to each other is said
-by validators of the table that holds them. For each value that is wrong the user gets one line: the file, the key,
+beside the field's type, `Annotated[string(...), FileOnly()]`. So do the models (`ReadBy`) and the
+functions (`Unread`) that a key means nothing to: one that is set is refused, or by definition
+passed over; none that is set changes nothing. What keys mean to each other is said by validators of
+the table that holds them. For each value that is wrong the user gets one line: the file, the key,
 the value as written, and what is allowed. The docstring of a table is a sentence about it and,
 after an empty line, an example. The page of keys, the JSON Schemas and what Python takes are made
 from them.
@@ -22,6 +24,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_type_hints
 
 from pydantic import (
@@ -169,6 +172,21 @@ class ReadBy:
     """
 
     models: str
+
+
+@dataclass(frozen=True)
+class Unread:
+    """Mark a key or a table with functions that do not read it (`refuse_passed_over`); all others do.
+
+    Parameters
+    ----------
+    by : their names, between blanks
+    allowed : completes "must be ..." of a key that is refused; "" of one that means nothing to them by
+        their definition, such as the strike velocity to a search for the limit
+    """
+
+    by: str
+    allowed: str = ""
 
 
 def mark(entry: FieldInfo, kind: type[Mark]) -> Mark | None:
@@ -639,6 +657,46 @@ def entries(model: type[Table]) -> dict[str, FieldInfo]:
             if entry.title:
                 fields[f"{name}.{key}".lstrip(".")] = entry
     return fields
+
+
+@cache
+def unread(model: type[Table], reader: str) -> dict[str, str]:
+    """Return {key or table: what is allowed} of what a function does not read (`Unread`), "" of what is
+    passed over in silence."""
+    found = {}
+    for name, table in tables(model).items():
+        for key, entry in table.model_fields.items():
+            for own in entry.metadata:
+                if isinstance(own, Unread) and reader in own.by.split():
+                    found[f"{name}.{key}".lstrip(".")] = own.allowed
+    return found
+
+
+def refuse_passed_over(
+    scene: Table, table: Mapping[str, Any], file: FilePath | None, reader: str
+) -> None:
+    """Raise an InputError for the first key that a scene sets and a function does not read.
+
+    A key at its default counts as not set: every function does what the defaults of the keys that it
+    refuses describe (one ply, no block, no [history]).
+
+    Parameters
+    ----------
+    scene : checked
+    table : the same as it is written, for the value in the message
+    """
+    words = unread(type(scene), reader)
+    for key in changed(scene):
+        for name in with_tables(key):
+            if words.get(name):
+                raise InputError(
+                    file=file, key=name, value=written(table, name), allowed=words[name]
+                )
+
+
+def with_tables(key: str) -> list[str]:
+    """List the tables that a dotted key is in, from the outermost, and the key."""
+    return list(accumulate(key.split("."), "{}.{}".format))
 
 
 def written(table: Any, key: str) -> Any:

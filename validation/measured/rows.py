@@ -32,7 +32,6 @@ from validation.models.bare_impact import Strike, strike
 from validation.models.taylor_bar import Taylor, strike_wall
 from validation.values import Values, largest
 from weavecell.api import target
-from weavecell.scenes import honoured
 from weavecell.studies import ballistic_limit, pack_limit
 
 HERE = Path(__file__).parent
@@ -75,7 +74,7 @@ class Case:
         """Build the ImpactSetup of an impact, with `more` values of dotted keys."""
         file = HERE / "inputs" / f"{self.input}.toml"
         changes = {"numerics.threads": 1} | self.keys | more
-        return target.read_target(str(file), HERE, honoured.IMPACT, changes=changes).setup
+        return target.read_target(str(file), HERE, "shot", changes=changes).setup
 
 
 @dataclass(frozen=True)

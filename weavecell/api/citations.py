@@ -20,7 +20,7 @@ from weavecell.api.target import read_target, resolve_target, unknown_target
 from weavecell.results import provenance, sources
 from weavecell.results.result_folder import KINDS, open_folder
 from weavecell.results.sources import Source
-from weavecell.scenes import build, honoured
+from weavecell.scenes import build
 from weavecell.scenes import coupon as coupons
 from weavecell.scenes.fabric_table import check_scene
 
@@ -233,17 +233,17 @@ def _of_input(name: str) -> Citations:
 def _materials(name):
     """(fabrics, laws, text of the input file) of an input file or a fabric."""
     if name in catalogue.list_names():
-        of_shot = resolve_target(name, {}, honoured.IMPACT).setup
+        of_shot = resolve_target(name, {}, "shot").setup
         return of_shot.fabrics, of_shot.laws or (), ""
     text, table = read_toml(name, what="input file or fabric")
     if set(coupons.TESTS) & set(table):
-        scene = check_scene(coupons.CouponScene, table, Path(name), honoured.COUPON)
+        scene = check_scene(coupons.CouponScene, table, Path(name), "coupon")
         case = build.build(scene, Path(name), name)
         return (case.fabric,), case.laws, text
     if "fabric" not in table:
         # a fabric file may have no law yet
         return (catalogue.read(name),), (), ""
-    of_shot = read_target(name, Path.cwd(), honoured.IMPACT).setup
+    of_shot = read_target(name, Path.cwd(), "shot").setup
     laws = [law for ply in of_shot.lay_up or (of_shot,) for law in ply.laws or ()]
     return of_shot.fabrics, laws, text
 

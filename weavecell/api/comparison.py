@@ -37,7 +37,6 @@ from weavecell.api.target import is_input_file, list_assumptions, resolve_target
 from weavecell.report import installed
 from weavecell.results import display, keys, out_folder
 from weavecell.results.left_out import LeftOut
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,6 +44,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
+    from weavecell.scenes.fabric_table import Reader
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.paired import Difference
 
@@ -275,7 +275,9 @@ def compare(
 
 def _resolve(target, other, keywords, quantity):
     """The two Targets, single plies beside packs on the mesh of a shot."""
-    refused = honoured.V50 if quantity == "v50" else honoured.LIMITS
+    reader: Reader = "limit"
+    if quantity == "v50":
+        reader = "v50"
     panels = []
     for one in (target, other):
         if str(one).lower().endswith((".csv", ".txt")):
@@ -289,7 +291,7 @@ def _resolve(target, other, keywords, quantity):
             named = isinstance(others, (str, Path, Fabric))
             if named and not (not isinstance(others, Fabric) and is_input_file(str(others))):
                 beside = {}
-        panels.append(resolve_target(one, beside, refused, function="compare"))
+        panels.append(resolve_target(one, beside, reader, function="compare"))
     if len({panel.setup.plies > 1 for panel in panels}) == 2:
         panels = [replace(panel, setup=panel.setup.meshed) for panel in panels]
     return panels

@@ -47,7 +47,7 @@ from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, run_folder
-from weavecell.scenes import build, honoured
+from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
 from weavecell.scenes.fabric_table import check_scene
@@ -190,7 +190,7 @@ def coupon(
     if from_file:
         file = Path(target)  # type: ignore[arg-type]
         text, table = read_toml(file, what="input")
-        scene = check_scene(scenes.CouponScene, table, file, honoured.COUPON)
+        scene = check_scene(scenes.CouponScene, table, file, "coupon")
         case = build.build(scene, file, file.stem)
     else:
         case = _case(target, test, options)
@@ -225,7 +225,7 @@ def _case(target, test, options):
         table[name][key] = value
     try:
         scene = check_scene(
-            scenes.CouponScene, keywords.plain(table), None, honoured.COUPON, context=PYTHON
+            scenes.CouponScene, keywords.plain(table), None, "coupon", context=PYTHON
         )
     except InputError as problem:
         raise keywords.name_as_keywords(problem, (test, "run", "fabric")) from None

@@ -74,7 +74,7 @@ def export(
     from weavecell.decks import folder, model
 
     folder.check(to, units, match)
-    panel = resolve_target(target, {}, folder.NOT_HONOURED)
+    panel = resolve_target(target, {}, "export")
     code = folder.CODES[to]
     if panel.from_file:
         stem = Path(panel.name).stem

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw, HasLaw
     from fabrics.ply_law import PlyLaw
     from fabrics.surface import ResponseSurface
+    from weavecell.scenes.fabric_table import Reader
     from weavecell.scenes.impact import Scene
 
     Law: TypeAlias = (
@@ -215,7 +216,11 @@ def _field(table, key):
 
 
 def scene(
-    fabric: str | None, velocity: object, options: Mapping[str, Any], function: str
+    fabric: str | None,
+    velocity: object,
+    options: Mapping[str, Any],
+    function: str,
+    reader: Reader,
 ) -> tuple[Scene, dict[str, Any]]:
     """Check the keywords of a call: the scene, and its table.
 
@@ -225,13 +230,14 @@ def scene(
     velocity : [m/s] of the strike, or a text with a unit
     **options : of `Keywords`
     function : that was called with them, for messages
+    reader : what the scene is read for, which refuses keys that it does not read
 
     Raises
     ------
     InputError : an unknown keyword, or a value that is not allowed; one line that names the keyword
     """
     from fabrics.base.schema import PYTHON
-    from weavecell.scenes import honoured, impact
+    from weavecell.scenes import impact
 
     known = tables()
     table: dict[str, Any] = {name: {} for name in (*known.values(), "projectile") if name}
@@ -259,12 +265,8 @@ def scene(
         )
     table["projectile"] |= plain({"strike_velocity": velocity})
     table["fabric"] |= plain({"name": fabric})
-    refused = {
-        **honoured.IMPACT,
-        "history.report_positions": "left out: `weavecell.setup` does not support it",
-    }
     try:
-        return impact.check(table, None, refused, PYTHON), table
+        return impact.check(table, None, reader, PYTHON), table
     except InputError as problem:
         raise name_as_keywords(problem) from None
 

@@ -34,7 +34,6 @@ from weavecell.api.run_size import StudySize, WorkSize
 from weavecell.api.study_result import DrawnResult, StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -205,7 +204,7 @@ def reduce_tests(
             raise InputError(key=key, allowed="left out if nothing is shot at")
         quantities.refuse_unused({"tolerance": tolerance}, "if nothing is shot at")
         return ReductionPlan(fired, str(tests))
-    panel = resolve_target(target, options, honoured.LIMITS, function="reduce_tests")
+    panel = resolve_target(target, options, "limit", function="reduce_tests")
     with panel.name_problems():
         strengths.require_failure(panel.setup, limits.NO_LIMIT)
     return BesideShotsPlan(panel, fired, str(tests), width)

@@ -42,7 +42,6 @@ from weavecell.report.pictures_style import BLUE, GREEN, ORANGE, RED
 from weavecell.report.plot import Layer, Plot
 from weavecell.results import one_table, out_folder, progress
 from weavecell.results.left_out import SAMPLING, LeftOut, brief_words
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -305,7 +304,7 @@ def critical_velocity(
         residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
     if v50_shots is not None:
         v50_shots = quantities.read_whole(v50_shots, "v50_shots", 0)
-    panel = resolve_target(target, options, honoured.LIMITS, function="critical_velocity")
+    panel = resolve_target(target, options, "limit", function="critical_velocity")
     with panel.name_problems():
         strengths.require_failure(panel.setup, NO_LIMIT)
     pack = panel.setup.plies > 1

@@ -28,7 +28,6 @@ from weavecell.api.run_size import SizeOfPatch
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.results import out_folder, progress
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -124,9 +123,7 @@ def patch(
     """
     from weavecell.studies import small_patch
 
-    panel = resolve_target(
-        target, options, honoured.PATCH, velocity, function="patch", one_shot=True
-    )
+    panel = resolve_target(target, options, "patch", velocity, function="patch", one_shot=True)
     size = meshes.size(mesh)
     if not isinstance(size, tuple):
         raise InputError(key="mesh", value=mesh, allowed="three whole numbers, such as 2,2,1")

@@ -12,7 +12,6 @@ from fabrics.base.errors import InputError
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,7 +57,7 @@ def load(folder: FilePath, *, changed: bool = False) -> ShotResult | SavedResult
             return cast(ShotResult, found.read_impact(ShotResult))
         scene = str(found.folder / result_folder.SCENE)
         copies = found.changes_of_scene()
-        target = read_target(scene, found.folder, honoured.IMPACT, changes=copies)
+        target = read_target(scene, found.folder, "shot", changes=copies)
         return ShotResult.of_folder(found, target)
     kind = found.find_kind()
     if kind is not None:

@@ -25,7 +25,6 @@ from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 from weavecell.results.left_out import brief_words
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -248,7 +247,7 @@ def v50(
         "batch": quantities.read_whole(batch, "batch", analysis.LEAST),
         "seed": quantities.read_whole(seed, "seed", 0),
     }
-    panel = resolve_target(target, options, honoured.V50, function="v50")
+    panel = resolve_target(target, options, "v50", function="v50")
     with panel.name_problems():
         strengths.check(panel.setup, scatter)
     over = ranges.with_ends(panel.setup, assumed_range)

@@ -54,7 +54,6 @@ from weavecell.results.left_out import (
     name_friction,
     summarise,
 )
-from weavecell.scenes import honoured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -234,9 +233,7 @@ def impact(
     >>> shot.outcome, round(shot.residual_velocity)  # [m/s]
     ('in flight', 148)
     """
-    panel = resolve_target(
-        target, options, honoured.IMPACT, velocity, function="impact", one_shot=True
-    )
+    panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
     # bad input is told before the solver is loaded
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import choice

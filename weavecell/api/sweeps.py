@@ -42,7 +42,7 @@ from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import Target, is_input_file, read_target, resolve_target
 from weavecell.results import display, out_folder, progress
-from weavecell.scenes import build, honoured
+from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
+    from weavecell.scenes.fabric_table import Reader
 
 SEED = "panel.strength.seed"
 # shots beside the bracket of a limit that look for mixed outcomes, at most
@@ -303,14 +304,10 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         example = _over(struck, ["90 m/s", "150 m/s"])
         allowed = f"given for a fabric, such as {example}, or an input file"
         raise InputError("is missing", key=struck, allowed=allowed)
-    of_quantity = {
-        "shot": honoured.SWEEP,
-        "critical-velocity": honoured.LIMITS,
-        "v50": honoured.V50,
-    }
-    support = of_quantity[quantity]
+    readers: dict[str, Reader] = {"shot": "sweep", "critical-velocity": "limit", "v50": "v50"}
+    reader = readers[quantity]
     combinations = _combinations(keys, one_at_a_time)
-    panels = [_panel(str(target), Path(out or "."), support, each) for each in combinations]
+    panels = [_panel(str(target), Path(out or "."), reader, each) for each in combinations]
     for panel in panels:
         if quantity == "v50":
             strengths.check(panel.setup, inputs.read_scatter())
@@ -350,7 +347,7 @@ def _combinations(keys, one_at_a_time):
     return [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
 
 
-def _panel(target, folder, support, changes):
+def _panel(target, folder, reader, changes):
     """The Target with the values of some keys, and factors on numbers of its fabrics, in place of
     its own."""
     from weavecell.studies import inputs
@@ -363,7 +360,7 @@ def _panel(target, folder, support, changes):
     for note in plausible.judge(compared):
         build.LOG.info(f"note: {note}")
     keys = {key: value for key, value in changes.items() if key not in factors}
-    panel = read_target(target, folder, support, changes=keys)
+    panel = read_target(target, folder, reader, changes=keys)
     if not factors:
         return panel
     if panel.setup.surface is not None:
@@ -602,7 +599,7 @@ def _fire(setup):
     from shellfabric.impact.run import run_impact_or_partial
 
     result, problem = run_impact_or_partial(setup)
-    return shot_of(resolve_target(setup, {}, honoured.IMPACT), result, problem)
+    return shot_of(resolve_target(setup, {}, "shot"), result, problem)
 
 
 @dataclass(frozen=True, repr=False)

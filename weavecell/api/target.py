@@ -27,7 +27,7 @@ from weavecell.api.result import Result
 from weavecell.api.user_warnings import warn_user
 from weavecell.scenes import build, words
 from weavecell.scenes import impact as scenes
-from weavecell.scenes.honoured import NO_HISTORY, Keys
+from weavecell.scenes.fabric_table import Reader
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -130,7 +130,7 @@ class Target:
 
 
 def read_target(
-    name: str, out: Path, refused: Keys, *, changes: Mapping[str, Any] | None = None
+    name: str, out: Path, reader: Reader, *, changes: Mapping[str, Any] | None = None
 ) -> Target:
     """Read the target of a name.
 
@@ -138,7 +138,7 @@ def read_target(
     ----------
     name : of a file or a fabric
     out : folder of the results, from which the standard scene of a fabric file is named
-    refused : keys of an input file that are not honoured (`honoured`)
+    reader : what it is read for, which refuses keys that it does not read
     changes : {dotted key: value as it is written} in place of what the scene says
 
     Raises
@@ -152,7 +152,7 @@ def read_target(
         text, table = read_toml(name, what="input file or fabric")
         if _OF_A_SCENE & set(table):
             return _target(
-                scenes.check(change_keys(table, changes), name, refused),
+                scenes.check(change_keys(table, changes), name, reader),
                 name,
                 stem,
                 text,
@@ -167,7 +167,7 @@ def read_target(
     # from which the path of the fabric counts; no such file was given
     file = out / "scene.toml"
     try:
-        scene = scenes.check(change_keys(table, changes), file, refused)
+        scene = scenes.check(change_keys(table, changes), file, reader)
     except InputError as problem:
         raise without_file(problem, file) from None
     return _target(scene, name, stem, text)
@@ -231,7 +231,7 @@ def _is_setup(target: object) -> TypeGuard[ImpactSetup]:
 def resolve_target(
     target: Fabric | FilePath | ImpactSetup | None,
     options: Mapping[str, Any],
-    refused: Keys,
+    reader: Reader,
     velocity: float | str | None = None,
     *,
     function: str = "setup",
@@ -243,7 +243,7 @@ def resolve_target(
     ----------
     target : a set-up, the path of an input file, or a fabric
     **options : keywords of `weavecell.setup` beside a fabric; none beside the others
-    refused : keys of an input file that the study does not honour
+    reader : what it is read for, which refuses keys that it does not read
     velocity : [m/s] at which a fabric is struck; of a study that chooses it None
     function : that was called, for messages
     one_shot : whether what is computed is a shot, to which strike velocity and [history] mean
@@ -267,15 +267,13 @@ def resolve_target(
         return Target(None, target, "", target.title, from_file=False)
     if is_input_file(file):
         _refuse(beside, "an input file", function)
-        return read_target(file, Path.cwd(), refused)
+        return read_target(file, Path.cwd(), reader)
     if (
         isinstance(target, str)
         and not target.endswith(".toml")
         and target not in catalogue.list_names()
     ):
         raise unknown_target(target)
-    if "history" in chosen and not one_shot:
-        raise InputError(key="history", allowed=NO_HISTORY)
     if velocity is None and one_shot:
         if file.endswith(".toml"):
             _refuse_neither(file)
@@ -287,7 +285,7 @@ def resolve_target(
             "is missing", key="velocity", allowed='given for a fabric, such as "92.5 m/s"'
         )
     fabric = cast("Fabric | FilePath | None", target)  # a set-up has left above
-    panel = build_target(fabric, STRIKE if velocity is None else velocity, chosen, function)
+    panel = build_target(fabric, STRIKE if velocity is None else velocity, chosen, function, reader)
     for line in (f"projectile: {panel.projectile}", *list_assumptions(panel.setup)):
         build.LOG.info(line)
     return panel
@@ -312,6 +310,7 @@ def build_target(
     velocity: float | str,
     options: Mapping[str, Any],
     function: str = "setup",
+    reader: Reader = "setup",
 ) -> Target:
     """Build the target that `weavecell.setup` describes, with the input file that says the same if
     one can. Its notes are warnings.
@@ -319,7 +318,7 @@ def build_target(
     Parameters
     ----------
     fabric, velocity, options : arguments of `weavecell.setup`
-    function : that was called with them, for messages
+    function, reader : that was called with them, for messages, and for what, see `resolve_target`
 
     Raises
     ------
@@ -328,7 +327,9 @@ def build_target(
     own = None
     if fabric is not None:
         own = resolve_fabric(fabric)
-    scene, written = keywords.scene(None if own is None else own.name, velocity, options, function)
+    scene, written = keywords.scene(
+        None if own is None else own.name, velocity, options, function, reader
+    )
     try:
         case = build.build(scene, None, "", own)
         ply = build.setup(case, None)

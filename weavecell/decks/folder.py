@@ -17,8 +17,6 @@ from weavecell.decks.cloth import MATCHES
 from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
 from weavecell.results import json_file, provenance
-from weavecell.scenes import honoured
-from weavecell.scenes.panel import SlipTable
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {
@@ -27,19 +25,6 @@ ROWS = {
     "uniaxial": "largest in uniaxial tension",
     "shear": "largest in trellis shear until locking",
 }
-_SIDES = []
-for _side in ("panel.boundary", "panel.boundary.warp", "panel.boundary.weft"):
-    _SIDES += [f"{_side}.{key}" for key in SlipTable.model_fields]
-_IN_PART = (
-    "panel.boundary",
-    "panel.ply.angle",
-)  # refused for some of their values, the angle by `model.build`
-NOT_HONOURED = (
-    honoured.SHOTS
-    | {"history": None}
-    | {key: allowed for key, (allowed, _) in model.REFUSED.items() if key not in _IN_PART}
-    | dict.fromkeys(_SIDES, model.REFUSED["panel.boundary"][0])
-)
 
 
 def check(to: str, units: str, match: str) -> None:

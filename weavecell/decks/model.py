@@ -24,6 +24,7 @@ import numpy as np
 import fabrics
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from fabrics.base.errors import InputError
+from fabrics.base.schema import unread
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.snapshots import quads
 from shellfabric.membrane import boundary
@@ -32,6 +33,7 @@ from weavecell.decks.cloth import Cloth
 from weavecell.decks.laws import Law
 from weavecell.decks.mismatch import LIMIT, Mismatch
 from weavecell.decks.nose import mesh
+from weavecell.scenes.impact import Scene
 
 STEEL = (
     7800.0,
@@ -55,39 +57,20 @@ _NEAREST = {
     "uniaxial": "nearest to it in uniaxial tension",
 }
 
-# what a membrane of another code does not have: key of the input file, what is allowed, and whether
-# a set-up has it
-REFUSED: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "backing": (
-        "left out: a block behind the fabric is not exported",
-        lambda ply: ply.backing is not None,
-    ),
-    "fabric.surface": (
-        "left out: a card is made from compression laws",
-        lambda ply: ply.surface is not None,
-    ),
-    "fabric.bending": (
-        "0: a membrane has no bending stiffness",
-        lambda ply: bool(np.any(ply.bending)),
-    ),
-    "panel.weave_angle": ("0: an oblique weave is not exported", lambda ply: ply.weave_angle != 0),
-    "panel.ply.angle": ("0 or 90 deg in an exported deck", lambda ply: ply.angled),
-    "panel.opening_shape": ('"rectangular"', lambda ply: ply.round),
-    "panel.crossovers": (
-        '"pinned": no law here lets yarns slip',
-        lambda ply: ply.crossovers is not None or ply.instead is not None,
-    ),
-    "panel.impact_point": ("0", lambda ply: any(ply.impact_point)),
-    "panel.strength": (
-        "left out: cards have one strength",
-        lambda ply: ply.strength is not None,
-    ),
-    "panel.rate_dependence": ("false: cards have one strength", lambda ply: ply.rate_dependence),
-    "panel.boundary": (
-        "clamped or free: no side that slips is exported",
-        lambda ply: boundary.slips(ply.boundary),
-    ),
-    "projectile.body": ('"rigid"', lambda ply: ply.projectile.deforms),
+# what a membrane of another code does not have: keys of the input file that
+# say why they are refused (`Unread`), and whether a set-up has it
+REFUSED: dict[str, Callable[[Any], bool]] = {
+    "backing": lambda ply: ply.backing is not None,
+    "fabric.surface": lambda ply: ply.surface is not None,
+    "fabric.bending": lambda ply: bool(np.any(ply.bending)),
+    "panel.weave_angle": lambda ply: ply.weave_angle != 0,
+    "panel.opening_shape": lambda ply: ply.round,
+    "panel.crossovers": lambda ply: ply.crossovers is not None or ply.instead is not None,
+    "panel.impact_point": lambda ply: any(ply.impact_point),
+    "panel.strength": lambda ply: ply.strength is not None,
+    "panel.rate_dependence": lambda ply: ply.rate_dependence,
+    "panel.boundary.clamp_force": lambda ply: boundary.slips(ply.boundary),
+    "projectile.body": lambda ply: ply.projectile.deforms,
 }
 
 
@@ -279,9 +262,12 @@ def build(
     InputError : what no deck holds
     """
     # a deck that left something out would run, and be wrong in silence
-    for key, (allowed, has) in REFUSED.items():
+    words = unread(Scene, "export")
+    for key, has in REFUSED.items():
         if has(setup):
-            raise InputError(key=key, allowed=allowed)
+            raise InputError(key=key.removesuffix(".clamp_force"), allowed=words[key])
+    if setup.angled:
+        raise InputError(key="panel.ply.angle", allowed="0 or 90 deg in an exported deck")
     pack = replace(setup, table_size=_TABLE).target()
     cards: dict[int, Card] = {}
     plies: list[Ply] = []

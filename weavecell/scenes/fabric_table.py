@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
@@ -17,17 +17,22 @@ from fabrics.base.schema import (
     Kind,
     MayBeObject,
     Table,
+    Unread,
     described,
     in_python,
     number,
     one_of,
     quantity,
+    refuse_passed_over,
     string,
     validated,
 )
 from fabrics.yarn import STATUSES
 from shellfabric.panel_numbers import CellNumbers
-from weavecell.scenes import honoured, kept_files
+from weavecell.scenes import kept_files
+
+# what a scene is read for, as the marks `Unread` of its keys name it
+Reader = Literal["shot", "setup", "limit", "v50", "sweep", "patch", "export", "coupon"]
 
 
 class InlineLaw(Table):
@@ -178,6 +183,8 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
     ) = "variational"
     surface: Annotated[
         Any,
+        Unread("export", "left out: a card is made from compression laws"),
+        Unread("coupon", "left out: the cell of a coupon is made from laws"),
         BeforeValidator(_object),
         WithJsonSchema(TEXT),
         described(
@@ -186,7 +193,11 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
         ),
         MayBeObject(),
     ] = None
-    bending: quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True) = 0.0
+    bending: Annotated[
+        quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True),
+        Unread("export", "0: a membrane has no bending stiffness"),
+        Unread("patch", "left out: the yarns of a patch have no bending stiffness of their own"),
+    ] = 0.0
 
     @model_validator(mode="after")
     def _check_one_cell(self):
@@ -260,7 +271,7 @@ def check_scene(
     kind: type[Kind],
     table: dict[str, Any],
     file: FilePath | None,
-    refused: honoured.Keys | None = None,
+    reader: Reader | None = None,
     context: Any = None,
 ) -> Kind:
     """Turn the table of a scene into a checked scene.
@@ -270,7 +281,8 @@ def check_scene(
     kind : class of the scene
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : keys that are not honoured, see `honoured`; None if any key may be set
+    reader : what the scene is read for, which refuses keys that it does not read (`Unread`); None if
+        any key may be set
     context : see `fabrics.base.schema.validated`
 
     Raises
@@ -279,8 +291,8 @@ def check_scene(
     """
     table = kept_files.use_copies_of_missing(table, file)
     scene = validated(kind, table, file, context)
-    if refused is not None:
-        honoured.check(scene, table, file, refused)
+    if reader is not None:
+        refuse_passed_over(scene, table, file, reader)
     if file is None:
         return scene
     return anchor_paths(scene, file)

@@ -18,6 +18,7 @@ from fabrics.base.schema import (
     FileOnly,
     StandardShot,
     Table,
+    Unread,
     angle,
     flag,
     marked,
@@ -34,8 +35,8 @@ from fabrics.base.schema import (
 from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.projectile import shapes
 from shellfabric.projectile.shapes import OF_METAL, SHAPES, NoseNumbers
-from weavecell.scenes import honoured, kept_files, presets, stl_file
-from weavecell.scenes.fabric_table import FabricTable, check_scene, exactly_one
+from weavecell.scenes import kept_files, presets, stl_file
+from weavecell.scenes.fabric_table import FabricTable, Reader, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
 
 
@@ -89,6 +90,7 @@ class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its
         quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s"),
         FileOnly(),
         StandardShot("92.5 m/s"),
+        Unread("limit v50"),
     ]
     shape: one_of("shape of the nose", *SHAPES) = "flat"
     length: quantity(
@@ -121,13 +123,16 @@ class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its
         ge=0.0,
         le=2.0,
     ) = None
-    body: one_of(
-        "rigid body; elastic-plastic steel bar along the axis (one-dimensional waves); or body of revolution of metal, "
-        "which mushrooms (flat, hemisphere, ogive or sphere)",
-        "rigid",
-        "elastic_bar",
-        "metal",
-    ) = "rigid"
+    body: Annotated[
+        one_of(
+            "rigid body; elastic-plastic steel bar along the axis (one-dimensional waves); or body of revolution of "
+            "metal, which mushrooms (flat, hemisphere, ogive or sphere)",
+            "rigid",
+            "elastic_bar",
+            "metal",
+        ),
+        Unread("export", '"rigid"'),
+    ] = "rigid"
     bore_diameter: quantity(
         "diameter of a bore into the rear of the elastic bar; its depth follows from the mass",
         "m",
@@ -250,20 +255,27 @@ class BackingTable(Table):
     growth: number(
         "ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0
     ) = None
-    after_stop: quantity(
-        "time for which the run goes on after the projectile has stopped, so that the block comes to rest; "
-        "if not given, the run ends when the projectile stops",
-        "s",
-        "1 ms",
-        zero=True,
-        most="10 ms",
-    ) = None
+    after_stop: Annotated[
+        quantity(
+            "time for which the run goes on after the projectile has stopped, so that the block comes to rest; "
+            "if not given, the run ends when the projectile stops",
+            "s",
+            "1 ms",
+            zero=True,
+            most="10 ms",
+        ),
+        Unread("limit v50"),
+    ] = None
 
     @model_validator(mode="after")
     def _check_three_lengths(self):
         if self.size is not None and len(self.size) != 3:
             raise InputError(key="size", allowed="three lengths")
         return self
+
+
+# functions that write no files of a shot
+OF_MANY = "limit v50 sweep patch export"
 
 
 class RunTable(Table):
@@ -275,21 +287,26 @@ class RunTable(Table):
     outputs = ["paraview", "report"]
     """
 
-    end_time: quantity(
-        "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has perforated",
-        "s",
-        "250 us",
-        most="10 ms",
-    ) = 800e-6
+    end_time: Annotated[
+        quantity(
+            "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has "
+            "perforated",
+            "s",
+            "250 us",
+            most="10 ms",
+        ),
+        Unread("limit v50 patch"),
+    ] = 800e-6
     elements_per_crossover: whole(
         "elements along each side of a crossover; if not given, they follow the failure length of the yarns under "
         "the projectile, and are longer further out ([accuracy](../accuracy.md))",
         1,
         8,
     ) = None
-    snapshot_interval: quantity(
-        "time between the shapes kept for ParaView and the pictures", "s", "10 us"
-    ) = 1e-5
+    snapshot_interval: Annotated[
+        quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us"),
+        Unread(OF_MANY),
+    ] = 1e-5
     checkpoint_interval: Annotated[
         quantity(
             "time between checkpoints for `--resume`; in the first 10 s of wall time, and within 10 s of the last, "
@@ -298,6 +315,7 @@ class RunTable(Table):
             "50 us",
         ),
         FileOnly(),
+        Unread(OF_MANY),
     ] = 5e-5
     outputs: Annotated[
         some_of(
@@ -307,6 +325,7 @@ class RunTable(Table):
             "report",
         ),
         FileOnly(),
+        Unread(OF_MANY),
     ] = ("paraview", "pictures", "report")
 
     @model_validator(mode="after")
@@ -319,6 +338,9 @@ class RunTable(Table):
 
 
 _YARNS = "a list of distances of {} yarns from the impact point"
+
+
+NO_HISTORY = "left out: {} nothing along yarns; `weavecell impact` does"
 
 
 class HistoryTable(Table):
@@ -336,12 +358,15 @@ class HistoryTable(Table):
     weft: quantities(
         "weft yarns that are recorded", "m", _YARNS.format("weft"), '["0 mm", "10 mm"]'
     ) = (0.0,)
-    report_positions: quantities(
-        "positions along the yarns at which the report plots tension and strain",
-        "m",
-        "a list of positions along the yarns",
-        '["5 mm", "50 mm"]',
-    ) = (5e-3, 20e-3, 50e-3, 80e-3)
+    report_positions: Annotated[
+        quantities(
+            "positions along the yarns at which the report plots tension and strain",
+            "m",
+            "a list of positions along the yarns",
+            '["5 mm", "50 mm"]',
+        ),
+        Unread("setup", "left out: `weavecell.setup` does not support it"),
+    ] = (5e-3, 20e-3, 50e-3, 80e-3)
 
 
 def _share(meaning):
@@ -383,7 +408,9 @@ class Scene(Table):
     title = "S-728, 1.10 g FSP at 200 m/s"
     """
 
-    title: string("heading of the report", "a text") = ""
+    title: Annotated[string("heading of the report", "a text"), Unread("limit v50 sweep patch")] = (
+        ""
+    )
     fabric: Annotated[FabricTable, Field(description="a table [fabric]"), AsKeywords()] = (
         FabricTable()
     )
@@ -392,13 +419,38 @@ class Scene(Table):
     ]
     panel: Annotated[PanelTable, Field(description="a table [panel]"), AsKeywords()]
     run: Annotated[RunTable, Field(description="a table [run]"), AsKeywords()] = RunTable()
-    history: Annotated[HistoryTable | None, Field(description="a table [history]"), AsDict()] = None
-    accuracy: Annotated[AccuracyTable | None, Field(description="a table [accuracy]")] = None
-    numerics: Annotated[NumericsTable, Field(description="a table [numerics]"), AsDict()] = (
-        NumericsTable()
-    )
+    history: Annotated[
+        HistoryTable | None,
+        Field(description="a table [history]"),
+        AsDict(),
+        Unread("limit v50", NO_HISTORY.format("the shots record")),
+        Unread("sweep", NO_HISTORY.format("a sweep records")),
+        Unread("patch export"),
+    ] = None
+    accuracy: Annotated[
+        AccuracyTable | None,
+        Field(description="a table [accuracy]"),
+        Unread(
+            "limit v50 sweep export",
+            "left out: the shots are computed on the mesh of the input file",
+        ),
+        Unread("patch"),
+    ] = None
+    numerics: Annotated[
+        NumericsTable,
+        Field(description="a table [numerics]"),
+        AsDict(),
+        Unread(
+            "patch",
+            "left out: solid yarns have numerical parameters of their own, and all models are compared at "
+            "their defaults",
+        ),
+    ] = NumericsTable()
     backing: Annotated[
-        BackingTable | None, Field(description="a table [backing]"), AsDict("material")
+        BackingTable | None,
+        Field(description="a table [backing]"),
+        AsDict("material"),
+        Unread("export", "left out: a block behind the fabric is not exported"),
     ] = None
 
     @model_validator(mode="after")
@@ -458,7 +510,7 @@ def standard_shot() -> dict[str, dict[str, str]]:
 def check(
     table: dict[str, Any],
     file: FilePath | None,
-    refused: honoured.Keys | None = None,
+    reader: Reader | None = None,
     context: Any = None,
 ) -> Scene:
     """Turn a scene's table into a checked Scene.
@@ -467,8 +519,7 @@ def check(
     ----------
     table : as it is written
     file : named in errors, its folder anchors relative paths; None of a scene without a file
-    refused : keys that what reads it does not honour (`honoured`); None if any key may be set
-    context : see `fabrics.base.schema.validated`
+    reader, context : see `check_scene`
 
     Returns
     -------
@@ -484,7 +535,7 @@ def check(
     table = _with_named(table, file, "projectile", "name", projectiles)
     table = stl_file.describe_stl(table, ProjectileTable.model_fields, file)
     table = _with_named(table, file, "backing", "material", backings)
-    return check_scene(Scene, table, file, refused, context)
+    return check_scene(Scene, table, file, reader, context)
 
 
 def _with_named(table, file, name, key, data):

@@ -23,6 +23,7 @@ from fabrics.base.schema import (
     MayBeObject,
     StandardShot,
     Table,
+    Unread,
     angle,
     as_tuple,
     described,
@@ -39,6 +40,8 @@ from shellfabric.panel_numbers import PanelNumbers
 from weavecell.scenes import presets
 from weavecell.scenes.fabric_table import LAW, Law
 
+SLIPS = "clamped or free: no side that slips is exported"
+
 
 class SlipTable(Table):
     """Yarns that slip in their clamps: either `clamp_force`, a friction clamp, or `pull_in` with
@@ -49,19 +52,31 @@ class SlipTable(Table):
     weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
     """
 
-    clamp_force: quantity(
-        "friction-limited clamp: tension of a yarn at which it slips", "N", "20 N"
-    ) = None
-    pull_in: quantity(
-        "prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm"
-    ) = None
-    start: quantity("time at which the prescribed slip begins", "s", "200 us", zero=True) = None
-    end: quantity("time at which the prescribed slip ends", "s", "650 us") = None
-    zone: quantity(
-        "width of the triangular zone of the side that slips, about its middle; 60 mm if not given",
-        "m",
-        "60 mm",
-    ) = None
+    clamp_force: Annotated[
+        quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N"),
+        Unread("export", SLIPS),
+    ] = None
+    pull_in: Annotated[
+        quantity(
+            "prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm"
+        ),
+        Unread("export", SLIPS),
+    ] = None
+    start: Annotated[
+        quantity("time at which the prescribed slip begins", "s", "200 us", zero=True),
+        Unread("export", SLIPS),
+    ] = None
+    end: Annotated[
+        quantity("time at which the prescribed slip ends", "s", "650 us"), Unread("export", SLIPS)
+    ] = None
+    zone: Annotated[
+        quantity(
+            "width of the triangular zone of the side that slips, about its middle; 60 mm if not given",
+            "m",
+            "60 mm",
+        ),
+        Unread("export", SLIPS),
+    ] = None
 
     @model_validator(mode="after")
     def _check_clamped_or_pulled(self):
@@ -287,11 +302,14 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
 
     model_config = ConfigDict(json_schema_extra=_opening_or_preset)
 
-    preset: one_of(
-        "set-up of a test, whose values stand in place of keys of [panel], [backing] and [run] that are not given: "
-        "body armour is a pack with free edges of 200 mm before a block of clay, followed until the dent rests",
-        *presets.list_names(),
-    ) = None
+    preset: Annotated[
+        one_of(
+            "set-up of a test, whose values stand in place of keys of [panel], [backing] and [run] that are not given: "
+            "body armour is a pack with free edges of 200 mm before a block of clay, followed until the dent rests",
+            *presets.list_names(),
+        ),
+        Unread("patch"),
+    ] = None
     opening: Annotated[
         from_text(
             float | tuple[float, float],
@@ -303,10 +321,13 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
             TEXT_OR_TWO,
         ),
         StandardShot("203 mm"),
+        Unread("patch"),
     ]
-    opening_shape: one_of(
-        "shape of the opening; round needs clamped edges", "rectangular", "round"
-    ) = "rectangular"
+    opening_shape: Annotated[
+        one_of("shape of the opening; round needs clamped edges", "rectangular", "round"),
+        Unread("export", '"rectangular"'),
+        Unread("patch"),
+    ] = "rectangular"
     impact_point: Annotated[
         quantities(
             "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
@@ -317,17 +338,26 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
             '["20 mm", "0 mm"]',
         ),
         Field(min_length=2, max_length=2),
+        Unread("export", "0"),
+        Unread("patch"),
     ] = None
-    boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = (
-        "clamped"
-    )
-    symmetry: one_of(
-        "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg)",
-        "quarter",
-        "half",
-        "whole",
-    ) = "quarter"
-    weave_angle: angle("angle of the warp to the sides of the opening", -89, 89, "45 deg") = 0.0
+    boundary: Annotated[
+        Boundary, described("how the yarns end at the frame", _BOUNDARY), Unread("patch")
+    ] = "clamped"
+    symmetry: Annotated[
+        one_of(
+            "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg)",
+            "quarter",
+            "half",
+            "whole",
+        ),
+        Unread("patch"),
+    ] = "quarter"
+    weave_angle: Annotated[
+        angle("angle of the warp to the sides of the opening", -89, 89, "45 deg"),
+        Unread("export", "0: an oblique weave is not exported"),
+        Unread("patch"),
+    ] = 0.0
     plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
     ply: Annotated[
         tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")
@@ -360,7 +390,10 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
         le=2.0,
     ) = None
     strength: Annotated[
-        StrengthTable | None, Field(description="a table { weibull_shape = 14.3, seed = 1 }")
+        StrengthTable | None,
+        Field(description="a table { weibull_shape = 14.3, seed = 1 }"),
+        Unread("export", "left out: cards have one strength"),
+        Unread("v50", "left out: a V50 draws the strengths itself"),
     ] = None
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
@@ -371,27 +404,36 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
             'zones [until, side] in crossovers, the last until inf, such as [[9, "1/2"], [20, 1], [inf, 2]]',
         ),
     ] = None
-    crossovers: one_of(
-        "whether warp and weft are pinned to each other where they cross, or are resolved yarns in a zone about "
-        "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md)); auto runs "
-        "them pinned, and resolved if the checks of that run say that the nose may part them or that they unzip (a "
-        "shot, a limit, a V50)",
-        "pinned",
-        "yarns",
-        "auto",
-    ) = "pinned"
-    zone: quantity(
-        "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm divided by "
-        "`crossover_friction` if this is more",
-        "m",
-        "20 mm",
-    ) = None
-    aim_seed: whole(
-        "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the opening; "
-        "by it, too, the plies of a pack whose edges are clamped are shifted against each other, by 0 if not given",
-        0,
-        2**31 - 1,
-    ) = None
+    crossovers: Annotated[
+        one_of(
+            "whether warp and weft are pinned to each other where they cross, or are resolved yarns in a zone about "
+            "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md)); auto "
+            "runs them pinned, and resolved if the checks of that run say that the nose may part them or that they "
+            "unzip (a shot, a limit, a V50)",
+            "pinned",
+            "yarns",
+            "auto",
+        ),
+        Unread("export", '"pinned": no law here lets yarns slip'),
+    ] = "pinned"
+    zone: Annotated[
+        quantity(
+            "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm divided by "
+            "`crossover_friction` if this is more",
+            "m",
+            "20 mm",
+        ),
+        Unread("patch"),
+    ] = None
+    aim_seed: Annotated[
+        whole(
+            "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the opening; "
+            "by it, too, the plies of a pack whose edges are clamped are shifted against each other, by 0 if not given",
+            0,
+            2**31 - 1,
+        ),
+        Unread("patch"),
+    ] = None
     crossover_friction: number(
         "resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre family if not given, 0.2 of para-aramid",
         0.2,

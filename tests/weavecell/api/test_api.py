@@ -25,7 +25,6 @@ from tests.programs import printed
 from tests.weavecell.session_runs import fired
 from weavecell.api import keywords, quantities
 from weavecell.api.target import Target, resolve_target
-from weavecell.scenes import honoured
 from weavecell.scenes.impact import Scene
 from weavecell.studies import lambert_jonas
 from weavecell.studies.ballistic_limit import Limit, Shot
@@ -221,6 +220,24 @@ REFUSED += [
     (
         lambda: wc.critical_velocity(wc.setup("S-720", 100.0), opening=0.1),
         "opening: must be left out beside a set",
+    ),
+]
+REFUSED += [  # keys that a function does not read, as in an input file
+    (
+        lambda: wc.patch("S-720", 60.0, bending=1e-6),
+        "bending = 1e-06: must be left out: the yarns of",
+    ),
+    (
+        lambda: wc.v50("S-720", strength={"weibull_shape": 12.0}, check=True),
+        "strength: must be left out: a V50 draws the strengths itself",
+    ),
+    (
+        lambda: wc.v50("S-720", history={"warp": [0.001]}, check=True),
+        "history: must be left out: the shots record nothing along yarns; `weavecell impact` does",
+    ),
+    (
+        lambda: wc.setup("S-720", 60.0, history={"report_positions": [0.002]}),
+        "history.report_positions = [0.002]: must be left out: `weavecell.setup` does not",
     ),
 ]
 
@@ -445,7 +462,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     found = wc.critical_velocity("S-720", **search, **panel, end_time="1 us")  # not used
     low, high = found.bracket
     setup = wc.setup("S-720", 300.0, **panel)
-    again = resolve_target(setup, {}, honoured.LIMITS).setup
+    again = resolve_target(setup, {}, "limit").setup
     same = {"strike_velocity": 300.0, "end_time": 1e-6}
     assert replace(again, **same) == replace(found.target.setup, **same)
     assert low < high <= low + 20

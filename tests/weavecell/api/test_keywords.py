@@ -40,7 +40,7 @@ def test_the_standard_shot_is_a_whole_input_file_beside_a_fabric():
 
 
 def test_a_fabric_alone_is_struck_by_the_projectile_of_the_standard_shot():
-    scene, table = keywords.scene("S-720", "120 m/s", {}, "setup")
+    scene, table = keywords.scene("S-720", "120 m/s", {}, "setup", "setup")
     standard = impact.standard_shot()
     assert table["panel"] == standard["panel"]
     assert table["projectile"] == standard["projectile"] | {"strike_velocity": "120 m/s"}

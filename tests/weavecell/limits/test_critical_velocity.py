@@ -10,7 +10,6 @@ from fabrics.base.errors import UnstableError
 from tests.scene_text import every, impact_scene
 from tests.weavecell.written import names, rows_of, table_of
 from weavecell.api import target
-from weavecell.scenes import honoured
 from weavecell.studies import ballistic_limit
 
 FILES = "critical-velocity.json report.html residual-velocity.svg runs scene.toml shots.csv"
@@ -274,7 +273,7 @@ def test_a_bracket_of_a_pack_is_not_given_for_an_error(scattering, tmp_path):
 
 def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     """A fabric's name or file becomes the standard scene, which can be run again from where it is written."""
-    found = target.read_target("S-726", tmp_path, honoured.LIMITS)
+    found = target.read_target("S-726", tmp_path, "limit")
     scene = found.case.scene
     assert found.case.fabric.name == "S-726"
     assert scene.panel.opening == 0.203
@@ -283,10 +282,10 @@ def test_a_fabric_is_shot_at_in_the_standard_way(tmp_path):
     out = tmp_path / "deep" / "results"
     file.write_text((resources.files("fabrics.catalogue") / "S-731.toml").read_text())
     out.mkdir(parents=True)
-    found = target.read_target(str(file), out, honoured.LIMITS)
+    found = target.read_target(str(file), out, "limit")
     assert found.case.fabric.name == found.title == "S-731"
     (out / "scene.toml").write_text(found.text)
-    assert target.read_target(str(out / "scene.toml"), out, honoured.LIMITS).setup == found.setup
+    assert target.read_target(str(out / "scene.toml"), out, "limit").setup == found.setup
 
 
 def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):

@@ -17,7 +17,6 @@ from weavecell.api.sweeps import SweepTable
 from weavecell.api.target import resolve_target
 from weavecell.report.shot import chapters_shot
 from weavecell.results import progress
-from weavecell.scenes import honoured
 from weavecell.studies import limit as limits
 from weavecell.studies import pack_limit
 from weavecell.studies import sweep as analysis
@@ -189,7 +188,7 @@ def test_the_report_of_a_v50_study_begins_with_v50_and_what_was_shot_at(results)
 @pytest.mark.parametrize("quantity, drawn", [("v50", True), ("critical-velocity", False)])
 def test_a_sweep_says_whether_each_yarn_has_a_drawn_strength(quantity, drawn):
     """V50 draws strengths, in a sweep too; all yarns of a limit have the same."""
-    panel = resolve_target("S-720", {}, honoured.V50)
+    panel = resolve_target("S-720", {}, "v50")
     table = SweepTable(quantity, ("panel.opening",), (), (panel,))
     assert table.draws_strengths == drawn
     section = chapters_shot.assumptions(panel.setup, (), drawn=table.draws_strengths)

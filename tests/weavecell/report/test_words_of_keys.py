@@ -7,7 +7,7 @@ from tests.scene_text import merged
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
 from weavecell.report import chapters
 from weavecell.report.shot import chapters_shot
-from weavecell.scenes import build, honoured
+from weavecell.scenes import build
 from weavecell.scenes.impact import check
 
 # what is written and when, and what is said of data in chapters of their own
@@ -23,7 +23,7 @@ ELSEWHERE = {
 
 def said(table):
     """Headline, settings and assumptions of a scene."""
-    scene = check(table, None, honoured.IMPACT)
+    scene = check(table, None, "shot")
     case = build.build(scene, None, "s")
     setup = build.setup(case, None)
     cards = chapters.law_cards(case)

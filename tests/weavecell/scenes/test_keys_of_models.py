@@ -12,7 +12,7 @@ from fabrics.base.errors import InputError
 from shellfabric.impact.run import run_impact
 from tests.scene_text import merged
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, row, with_value
-from weavecell.scenes import build, honoured
+from weavecell.scenes import build
 from weavecell.scenes.impact import check
 
 # yarns break within the run, so that keys of failure matter
@@ -115,7 +115,7 @@ def walk(thing, name, digest):
 def bits(scene):
     """Digest of a shot; the error of one that is refused."""
     try:
-        setup = build.setup(build.build(check(scene, None, honoured.IMPACT), None, "s"), None)
+        setup = build.setup(build.build(check(scene, None, "shot"), None, "s"), None)
         if (
             setup.crossovers is not None
         ):  # over the whole panel: no membrane beyond it reads the key

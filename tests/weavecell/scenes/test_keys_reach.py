@@ -4,18 +4,20 @@ import tomllib
 from dataclasses import fields, is_dataclass
 from operator import attrgetter
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
 from fabrics.base import schema
+from fabrics.base.errors import InputError
 from fabrics.base.units import si
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
-from weavecell.scenes import build, honoured
+from weavecell.scenes import build
 from weavecell.scenes.coupon import CouponScene, PullOutTable
-from weavecell.scenes.fabric_table import FabricTable
+from weavecell.scenes.fabric_table import FabricTable, Reader
 from weavecell.scenes.impact import Scene, check
 from weavecell.studies import pull_out
 
@@ -107,7 +109,7 @@ def fields_of(thing, name=""):
 
 def setup_of(table):
     """The fields of the set-up of `weavecell impact`."""
-    return fields_of(build.setup(build.build(check(table, None, honoured.IMPACT), None, "s"), None))
+    return fields_of(build.setup(build.build(check(table, None, "shot"), None, "s"), None))
 
 
 def with_value(table, key, value):
@@ -158,13 +160,32 @@ def test_a_key_that_the_run_reads_stands_in_the_scene(key):
     assert attrgetter(key)(check(scene, None)) == in_si(key, value)
 
 
-@pytest.mark.parametrize("name", ["IMPACT", "LIMITS", "V50", "SWEEP", "COUPON"])
-def test_what_is_not_honoured_are_keys(name):
-    """One that is declared in vain would be honoured in silence."""
-    model = CouponScene if name == "COUPON" else Scene
-    assert set(getattr(honoured, name)) <= {
-        part for key in schema.entries(model) for part in honoured.with_tables(key)
-    }
+def test_marks_of_unread_keys_name_readers_alone():
+    """A key whose mark names no reader would be read by all, in silence."""
+    named = set()
+    for model in (Scene, CouponScene):
+        for table in schema.tables(model).values():
+            for entry in table.model_fields.values():
+                for mark in entry.metadata:
+                    if isinstance(mark, schema.Unread):
+                        named |= set(mark.by.split())
+    assert named == set(get_args(Reader)) - {"shot"}
+
+
+def test_a_reader_refuses_a_key_by_its_words_and_passes_over_what_means_nothing_to_it():
+    """The same scene: a V50 draws strengths itself, a limit does not, and to neither [run] outputs mean a thing."""
+    table = merged(
+        SHOT,
+        {
+            "panel": {"strength": {"weibull_shape": 12.0}, "symmetry": "whole"},
+            "run": {"outputs": ["report"], "end_time": "70 us"},
+        },
+    )
+    assert check(table, None, "limit").run.end_time == pytest.approx(70e-6)
+    with pytest.raises(InputError, match="must be left out: a V50 draws the strengths itself"):
+        check(table, None, "v50")
+    with pytest.raises(InputError, match=r"panel\.strength: must be left out: cards have one"):
+        check(table, None, "export")
 
 
 def test_what_is_set_is_found():

@@ -9,7 +9,6 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from tests.scene_text import merged, toml
 from weavecell.api.target import read_target
-from weavecell.scenes import honoured
 
 YARN = {
     "linear_density": "1100 dtex",
@@ -52,7 +51,7 @@ def notes_of(folder, fabric=None, shot=None):
     (folder / "fabric.toml").write_text(toml(merged(SHEET, fabric or {})))
     (folder / "shot.toml").write_text(toml(merged(SHOT, shot or {})))
     try:
-        read = read_target(str(folder / "shot.toml"), folder, honoured.IMPACT)
+        read = read_target(str(folder / "shot.toml"), folder, "shot")
     except InputError as problem:
         return f"refused: {problem}"
     return " | ".join(read.setup.notes)

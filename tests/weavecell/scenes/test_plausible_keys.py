@@ -12,7 +12,7 @@ from fabrics.base.errors import InputError
 from fabrics.base.schema import unit_of
 from tests.scene_text import merged, scale_quantity
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
-from weavecell.scenes import build, coupon, honoured
+from weavecell.scenes import build, coupon
 from weavecell.scenes.fabric_table import check_scene
 from weavecell.scenes.impact import check
 
@@ -90,7 +90,7 @@ KEYS = [key for key in ENTRIES if key not in FREE and is_numeric(key)]
 def said(scene):
     """The notes of a set-up; the refusal of one that is refused."""
     try:
-        setup = build.setup(build.build(check(scene, None, honoured.IMPACT), None, "s"), None)
+        setup = build.setup(build.build(check(scene, None, "shot"), None, "s"), None)
         # what the run refuses before it begins
         size = wc.impact(setup, check=True)
         return setup.notes if size else ()
@@ -198,7 +198,7 @@ def test_a_number_of_a_coupon_a_hundred_times_off_is_not_silent(test, key):
     def notes(table):
         scene = {"fabric": {"name": "S-726"}, test: table}
         try:
-            made = check_scene(coupon.CouponScene, scene, None, honoured.COUPON)
+            made = check_scene(coupon.CouponScene, scene, None, "coupon")
             return plausible.judge(coupon.list_numbers(made, fabric))
         except InputError as problem:
             return str(problem)

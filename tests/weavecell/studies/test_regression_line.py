@@ -11,7 +11,6 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from validation.measured.rows import read
 from weavecell.api.target import resolve_target
-from weavecell.scenes import honoured
 from weavecell.studies import inputs, regression_line
 
 SCENE = "validation/measured/inputs/CT612.toml"
@@ -20,7 +19,7 @@ AREAL_DENSITY = {21: 2.5, 38: 4.5, 42: 5.0, 48: 6.1, 62: 7.5}  # [kg/m2], Kosla 
 
 @pytest.fixture(scope="module")
 def twaron():
-    return resolve_target(SCENE, {}, honoured.LIMITS, function="critical_velocity").setup
+    return resolve_target(SCENE, {}, "limit", function="critical_velocity").setup
 
 
 def test_the_line_is_the_least_squares_fit_of_the_published_tests(twaron):
