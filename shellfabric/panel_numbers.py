@@ -48,7 +48,6 @@ class PanelNumbers:
     ] = True
     rate_dependence: Annotated[
         bool,
-        Unread("export", "false: cards have one strength"),
         key(
             flag(
                 "strength of the yarns as a function of their strain rate, and their modulus at high rates, from the "
@@ -57,6 +56,7 @@ class PanelNumbers:
             ),
             "pinned yarns",
         ),
+        Unread("export", "false: cards have one strength"),
     ] = False
 
     def failure_in_words(self, fabrics: Iterable[Fabric], drawn: bool) -> str:
