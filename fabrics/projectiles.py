@@ -67,10 +67,28 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
             entries[key] = sole | value
         return shape, entries
     near = None
+    name = known_name(name)
     if name not in list_names():
         near = _nearest_by_value(name)
     data: dict[str, Any] = dict(TABLES.entry(name, file=file, key=key, near=near))
     return data.pop("shape"), data
+
+
+def known_name(name: str) -> str:
+    """Return the name of the projectile that a name in grain means, such as "FSP 17 grain": the one
+    of that kind whose mass is so within its tolerance. Any other name is returned as it is."""
+    grains = re.search(r"([0-9]*\.?[0-9]+) *-?(?:grains?|gr)\b", name)
+    if grains is None or name in list_names():
+        return name
+    mass = si(f"{grains[1]} grain", "kg")
+    words = name.lower().split()
+    for other, data in TABLES.content["projectile"].items():
+        if other.split()[0].lower() not in words or "mass_tolerance" not in data:
+            continue
+        off = abs(si(data["mass"]["value"], "kg") - mass)
+        if off <= si(data["mass_tolerance"]["value"], "kg"):
+            return other
+    return name
 
 
 def _nearest_by_value(name):
@@ -115,6 +133,7 @@ def table(
     InputError : as `entry`
     """
     given = given or {}
+    name = known_name(name)
     shape, data = entry(name, file=file, key=key)
     chosen = given.get("shape", shape)
     shared = _OF_SHAPE.get(chosen, _OF_ANY_NOSE)

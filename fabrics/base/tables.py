@@ -93,6 +93,7 @@ _UNITS = {
 # a number with decimal marks, and a unit of up to two words
 _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0,2})")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
+_POINTED = re.compile(r"[-+]?[1-9][0-9]{0,2}\.[0-9]{3}")
 _IN_BRACKETS = re.compile(r"[\[(](.*)[\])]")
 
 Row = tuple[int, list[str]]  # number of the line, its cells
@@ -205,7 +206,7 @@ def read_table(
     _check_lengths(below, heading, [places[name] for name in places if name not in optional], path)
     if separator != ",":
         numbers = [place for name, place in places.items() if kinds[name] != WORDS]
-        _point_decimals(below, numbers, path)
+        _point_decimals(below, numbers, path, mixed=QUANTITIES in kinds.values())
     width = len(heading)
     cells = {
         name: [(row + [""] * width)[place] for _, row in below] for name, place in places.items()
@@ -495,8 +496,11 @@ def _check_lengths(rows, heading, needed, path):
         )
 
 
-def _point_decimals(rows, places, path):
-    """Write the numbers of columns that no comma separates with a decimal point, in place."""
+def _point_decimals(rows, places, path, mixed):
+    """Write the numbers of columns that no comma separates with a decimal point, in place.
+
+    mixed : whether the values are of several sources, each with a decimal mark of its own
+    """
     numbers = []
     for line, cells in rows:
         for place in places:
@@ -504,9 +508,12 @@ def _point_decimals(rows, places, path):
             if quantity:
                 numbers.append((line, cells, place, quantity))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]
+    with_point = [quantity[1] for *_, quantity in numbers if "." in quantity[1]]
+    if mixed:
+        # "1.44" is clear in itself, "1.440" is not
+        with_point = [text for text in with_point if "," in text or _POINTED.fullmatch(text)]
     # "12,345" can be read in two ways, "12,34" in one
     sure = any(not _THOUSANDS.fullmatch(quantity[1]) for *_, quantity in with_comma)
-    with_point = any("." in quantity[1] for *_, quantity in numbers)
     for line, cells, place, quantity in with_comma:
         if with_point or not sure or quantity[1].count(",") > 1:
             allowed = (

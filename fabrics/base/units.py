@@ -74,6 +74,10 @@ _PER = re.compile(
 
 # a count, as in "8.5 yarns/cm"
 _YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")
+# ends in ten centimetres, as ISO 7211-2 counts them
+_IN_A_LENGTH = re.compile(r"(?:/|per\b) *([1-9][0-9]*) *([a-z]+)")
+# length of a yarn in a mass, as glass is sold: "250 yd/lb" is a linear density all the same
+_OF_MASS = re.compile(r"(yd|yards?|m|km) *(?:/|per) *(lb|lbs|pound|kg|g)")
 # of a strip that breaks
 _FORCES = {**dict.fromkeys(("lb", "lbs", "pound", "pounds"), "lbf"), "kg": "kgf"}
 # what data sheets write, in small letters, as a unit of pint, whose own mil is an angle
@@ -83,6 +87,8 @@ _ALIASES = {
     # the gram of a tenacity is a force
     **dict.fromkeys(("g/den", "g/denier", "gf/den", "gpd"), "gf/denier"),
     **dict.fromkeys(("mil", "mils"), "thou"),
+    # million pounds a square inch
+    "msi": "megapsi",
     # ounces a square yard
     **dict.fromkeys(("osy", "opsy", "oz/sqyd", "oz/sq yd", "oz/sq. yd."), "oz/yd^2"),
     **dict.fromkeys(("g/sqm", "g/sq m", "g/sq. m."), "gsm"),
@@ -203,7 +209,10 @@ def _converted(value, unit):
     number = NUMBER.match(text)
     if number is None:
         raise ValueError("no number")
-    return float(number[0]) * _factor(text[number.end() :].lstrip(), unit)
+    written = text[number.end() :].lstrip()
+    if unit == "kg/m" and _OF_MASS.fullmatch(written):
+        return 1 / (float(number[0]) * _factor(written, "m/kg"))
+    return float(number[0]) * _factor(written, unit)
 
 
 @cache
@@ -215,6 +224,9 @@ def _factor(written, unit):
         raise ValueError("no unit")
     if unit == "1/m":
         written = _YARNS.sub("", written, count=1)
+        length = _IN_A_LENGTH.fullmatch(written)
+        if length:
+            return _factor(f"/ {length[2]}", unit) / int(length[1])
     if unit == "N/m":
         return _force_over_width(written)
     factor = FACTORS.get(unit, {}).get(written)

@@ -527,12 +527,15 @@ def new_fabric(
         side = quantities.number(frame_side, "m", "frame_side")
     if strip is not None:
         strip = quantities.pair(strip, "m", "strip", "width and length")
+    fitted: tuple[str, ...] = ()
+    if yarn_curve is not None:
+        fitted = fabric_file.OF_YARN_CURVE
     if values is None:
-        entered = _ask_values(family)
+        entered = _ask_values(family, fitted)
     else:
-        entered = fabric_file.read_values(values, family)
+        entered = fabric_file.read_values(values, family, fitted)
     draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
-    draft, fitted = fabric_file.with_curves(
+    draft, fits = fabric_file.with_curves(
         draft,
         yarn=yarn_curve,
         frame=picture_frame,
@@ -542,7 +545,7 @@ def new_fabric(
     )
     fabric = draft.write(path)
     stands_in = [value.line(key) for key, value in draft.values.items() if value.stands_in]
-    for line in (*fitted, *stands_in, *fabric_file.left_open(fabric, path)):
+    for line in (*fits, *stands_in, *fabric_file.left_open(fabric, path)):
         logging.getLogger("weavecell").info(line)
 
 
@@ -558,9 +561,9 @@ def _family_name(text):
     return found.name
 
 
-def _ask_values(family):
-    """{key: Value} that the user types in; a wrong value is to be typed again, and one that may be
-    open, or is typical of the fibre family, left empty."""
+def _ask_values(family, fitted):
+    """{key: Value} that the user types in, but those that are `fitted`; a wrong value is to be typed
+    again, and one that may be open, or is typical of the fibre family, left empty."""
     import typer
 
     from weavecell.scenes import fabric_file
@@ -578,6 +581,8 @@ def _ask_values(family):
     source = typer.prompt("source of the values", default="data sheet")
     values = {}
     for key in fabric_file.REQUIRED:
+        if key in fitted:
+            continue
         others = fabric_file.INSTEAD.get(key, ())
         typical = family is not None and key in fabric_file.TYPICAL
         if typical:

@@ -16,6 +16,7 @@ tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from math import degrees
 from pathlib import Path
@@ -37,6 +38,8 @@ REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "cri
 ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
 # key of REQUIRED that may be left out: keys of which one then stands in for it
 INSTEAD = {"failure_strain": ("strength", BREAKING, "tenacity"), "crimp": ("thickness",)}
+# which the tensile curve of a yarn gives
+OF_YARN_CURVE = ("modulus", "failure_strain")
 # of which a fibre family has a typical value
 TYPICAL = ("fibre_density", "modulus", "failure_strain")
 COLUMNS = {
@@ -133,12 +136,15 @@ def check(key: str, text: str) -> str:
     return text.strip()
 
 
-def read_values(path: FilePath, family: str | None = None) -> dict[str, Value]:
+def read_values(
+    path: FilePath, family: str | None = None, fitted: Collection[str] = ()
+) -> dict[str, Value]:
     """Read the values of a CSV file, and complete them by the fibre family (`missing_values`).
 
     Parameters
     ----------
     family : that the user names, or None
+    fitted : keys that a curve gives, which the file may lack
 
     Raises
     ------
@@ -166,7 +172,7 @@ def read_values(path: FilePath, family: str | None = None) -> dict[str, Value]:
             values[key] = value
     values = complete(values, family)
     tried |= set(values)
-    for key in REQUIRED:
+    for key in (key for key in REQUIRED if key not in fitted):
         others = INSTEAD.get(key, ())
         if not tried & {key, *others}:
             more = ""

@@ -11,6 +11,7 @@ which results cover.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import sqrt
@@ -20,6 +21,7 @@ from fabrics.base.units import si
 from fabrics.fabric_tables import FAMILIES, Quantity
 from fabrics.families import Family, list_families
 
+LOG = logging.getLogger("weavecell")
 BREAKING = "breaking_strength"
 # of the fabric, in a CSV file alone: the file that is made of it has the strength of the yarn
 OF_STRIP = Quantity(
@@ -83,8 +85,13 @@ def complete(values: Mapping[str, Value], family: str | None) -> dict[str, Value
         if named is not None and key not in found:
             found[key] = _typical(named, key)
     of_strip = found.pop(BREAKING, None)
-    if of_strip is not None and not set(STRENGTHS) & set(found) and "count" in found:
-        found["strength"] = _of_yarn(of_strip, found["count"], named)
+    if of_strip is not None and "count" in found:
+        of_yarn = _of_yarn(of_strip, found["count"], named)
+        stated = [key for key in STRENGTHS if key in found]
+        if stated:
+            _compare(of_strip, of_yarn, stated[0], found)
+        else:
+            found["strength"] = of_yarn
     if named is not None and not set(STRENGTHS) & set(found):
         found["strength"] = _typical(named, "strength")
     return _as_straight_line(found, named)
@@ -118,6 +125,40 @@ def _of_yarn(strip, count, family):
         f"{name}, {share:g}; {UNEVEN}"
     )
     return Value(texts["warp"], texts["weft"], source, "derived", ranges, True)
+
+
+def _compare(of_strip, of_yarn, key, values):
+    """Tell which of two strengths of a sheet is used, that of the strip or that of the yarn."""
+    sentences = []
+    for yarn in FAMILIES:
+        force = si(getattr(of_yarn, yarn), "N")
+        sentence = f"{force:.4g} N a yarn of the {yarn}"
+        own = _force_of(key, yarn, values)
+        if own is not None:
+            share = 100 * (force / own - 1)
+            sentence += f", {share:+.0f} % from the {own:.4g} N of the {key}"
+        sentences.append(sentence)
+    LOG.info(
+        f"note: the {key} is used, not the {BREAKING} {of_strip.warp} / {of_strip.weft}, which makes "
+        f"{'; '.join(sentences)}"
+    )
+
+
+def _force_of(key, yarn, values):
+    """Strength [N] of a yarn that a sheet states under `key`; None where it takes more to know."""
+    if key == "failure_strain":
+        return None
+    number, unit = data_sheet.OF_YARN[key].read(getattr(values[key], yarn))
+    if unit == "N":
+        return number
+    if "linear_density" not in values:
+        return None
+    linear_density = si(getattr(values["linear_density"], yarn), "kg/m")
+    if unit == "Pa":
+        if "fibre_density" not in values:
+            return None
+        return number * linear_density / si(getattr(values["fibre_density"], yarn), "kg/m^3")
+    return number * linear_density
 
 
 def _as_straight_line(values, named):
