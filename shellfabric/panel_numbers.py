@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from fabrics.base.schema import Unread, flag, key, quantity
+from fabrics.base.schema import Unread, flag, key, named, number, quantity, whole
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -21,9 +21,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CellNumbers:
-    """Numbers of the unit cell, keys of the table [fabric]. Read by "pinned" yarns alone: resolved ones
-    touch where they are."""
+    """Numbers of the unit cell, keys of the table [fabric]. Resolved yarns touch where they are: they
+    read the "yarns" ones alone, and solid yarns of a patch none."""
 
+    cell_model: Annotated[
+        str,
+        key(
+            named(
+                "unit cell: yarns that compress, incompressible yarns, or warp and weft without interaction",
+                "compressible",
+                "incompressible",
+                "decoupled",
+            ),
+            "pinned yarns",
+        ),
+    ] = "compressible"
+    cell_formulation: Annotated[
+        str,
+        key(
+            named(
+                "how forces follow from the state of the cell: gradient of the stored energy (`variational`), force "
+                "equilibrium as in the thesis (`equilibrium`), or interpolated tensions of a response surface "
+                "(`direct`)",
+                "variational",
+                "equilibrium",
+                "direct",
+            ),
+            "pinned",
+        ),
+    ] = "variational"
     crossover_gap: Annotated[
         float,
         key(
@@ -36,6 +62,52 @@ class CellNumbers:
             "pinned",
         ),
     ] = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ZoneKeys:
+    """What a table [panel] says of resolved yarns, see `yarns.model.YarnZone`."""
+
+    zone: Annotated[
+        float | None,
+        key(
+            quantity(
+                "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm divided by "
+                "`crossover_friction` if this is more",
+                "m",
+                "20 mm",
+            ),
+            "yarns",
+        ),
+        Unread("patch"),
+    ] = None
+    aim_seed: Annotated[
+        int | None,
+        key(
+            whole(
+                "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the "
+                "opening; by it, too, the plies of a pack whose edges are clamped are shifted against each other, by "
+                "0 if not given",
+                0,
+                2**31 - 1,
+            ),
+            "yarns",
+        ),
+        Unread("patch"),
+    ] = None
+    crossover_friction: Annotated[
+        float | None,
+        key(
+            number(
+                "resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre family if not given, 0.2 of "
+                "para-aramid",
+                0.2,
+                ge=0.0,
+                le=2.0,
+            ),
+            "yarns",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)

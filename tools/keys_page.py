@@ -138,18 +138,12 @@ def _text(value):
 
 
 def _solver_defaults():
-    """{key: default} of keys that the input file leaves to the objects of the solver, or to the data of the block."""
+    """{key: default} of keys that the input file leaves to the data of the block."""
     from fabrics.materials import Isotropic, load
-    from shellfabric.block.block import Backing
 
-    known = {
-        f"backing.{entry.name}": entry.default
-        for entry in fields(Backing)
-        if entry.name != "material"
-    }
     material = load("backing")
-    known |= {f"backing.{entry.name}": getattr(material, entry.name) for entry in fields(Isotropic)}
-    return {key: _text(value) for key, value in known.items() if value is not None}
+    known = {entry.name: getattr(material, entry.name) for entry in fields(Isotropic)}
+    return {f"backing.{key}": _text(value) for key, value in known.items() if value is not None}
 
 
 def _table(columns, rows):

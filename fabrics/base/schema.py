@@ -58,7 +58,9 @@ class Table(BaseModel):
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
         """Put keys that a dataclass declares (`key`) behind the table's own; pydantic begins with what
         is inherited."""
-        late = getattr(cls, "__dataclass_fields__", {})
+        late: set[str] = set()
+        for base in cls.__mro__:
+            late |= vars(base).get("__dataclass_fields__", {}).keys()
         found = cls.__pydantic_fields__
         cls.__pydantic_fields__ = dict(sorted(found.items(), key=lambda item: item[0] in late))
 
@@ -229,6 +231,23 @@ def declared(kind: type) -> dict[str, FieldInfo]:
     return {name: FieldInfo.from_annotation(hints[name]) for name in names}
 
 
+def list_unread(kind: type, values: Any, model: str) -> Iterator[tuple[str, str]]:
+    """List the numbers that a dataclass `kind` declares, that `values` sets to something other than
+    their default, and that a model does not read: (name, models that do)."""
+    usual = kind()
+    for name, field in declared(kind).items():
+        read = mark(field, ReadBy)
+        differs = getattr(values, name) != getattr(usual, name)
+        if read and differs and model not in read.models.split():
+            yield name, read.models
+
+
+def list_read(kind: type, model: str) -> list[str]:
+    """List the numbers that a dataclass `kind` declares and that a model reads."""
+    marks = {name: mark(field, ReadBy) for name, field in declared(kind).items()}
+    return [name for name, read in marks.items() if read and model in read.models.split()]
+
+
 def refuse_unread(kind: type, values: Any, model: str, words: str) -> None:
     """Raise an InputError for the first number that a dataclass `kind` declares, that `values` sets
     to something other than its default, and that a model does not read.
@@ -237,12 +256,8 @@ def refuse_unread(kind: type, values: Any, model: str, words: str) -> None:
     ----------
     words : the model in words, for the message
     """
-    usual = kind()
-    for name, field in declared(kind).items():
-        read = mark(field, ReadBy)
-        value = getattr(values, name)
-        if read and model not in read.models.split() and value != getattr(usual, name):
-            raise InputError(key=name, value=value, allowed=f"left out with {words}")
+    for name, _ in list_unread(kind, values, model):
+        raise InputError(key=name, value=getattr(values, name), allowed=f"left out with {words}")
 
 
 def described(
@@ -415,6 +430,19 @@ def one_of(meaning: str, *names: str) -> Any:
     return Annotated[
         Literal[names], described(meaning, f"one of {_quoted(names)}", example=names[-1])
     ]
+
+
+def named(meaning: str, *names: str) -> Any:
+    """Declare a choice of one of some texts, for a field of a dataclass that holds objects too."""
+
+    def validate(value):
+        if value in names:
+            return value
+        raise ValueError("not allowed")
+
+    field = described(meaning, f"one of {_quoted(names)}", example=names[-1])
+    written = {"type": "string", "enum": list(names)}
+    return Annotated[Any, BeforeValidator(validate), WithJsonSchema(written), field]
 
 
 def some_of(meaning: str, *names: str) -> Any:

@@ -32,6 +32,7 @@ from fabrics.base.errors import InputError, UnstableError
 from fabrics.materials import Isotropic, load
 from shellfabric.block import block_kernels as kernels
 from shellfabric.block import contact_kernels as touch
+from shellfabric.block.block_keys import OUTER_BOUNDARIES, BlockKeys
 from shellfabric.block.hex8 import Bricks
 from shellfabric.block.state import BlockLaw, BlockPoints, BlockRow
 from shellfabric.law_rows import make_law
@@ -51,14 +52,13 @@ ENERGIES = (
     "contact",
     "damped",
 )
-OUTER_BOUNDARIES = ("fixed", "absorbing", "free")
 CHECK_INTERVAL = 10  # steps from one look at what the flattened bricks bear to the next
 CFL = 0.8  # of the bound that a step of the block's own takes
 MAX_SUBSTEPS = 32
 
 
 @dataclass(frozen=True)
-class Backing:
+class Backing(BlockKeys):
     """A block, its mesh and its contacts.
 
     Parameters
@@ -91,19 +91,12 @@ class Backing:
     """
 
     material: Isotropic = field(default_factory=lambda: load("backing"))
-    size: tuple[float, float, float] = (0.3, 0.3, 0.18)
-    min_size: float = 1.0e-3
-    refined_depth: float = 8e-3
-    growth: float = 1.2
-    outer_boundary: str = "fixed"
-    standoff: float = 0.0
     hourglass: float = 0.1
     viscosity: float = 0.1
     penalty: float = 10.0
     contact_damping: float = 0.2
     ply_penalty: float = 0.1
     points: int = 2
-    after_stop: float = 0.0
     mirrors: tuple[bool, bool] = (True, True)
     name: str = ""
 

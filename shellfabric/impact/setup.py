@@ -75,7 +75,6 @@ class ImpactSetup(PanelSetup, CellNumbers):
     elements_per_crossover : along each side; None takes a graded mesh (`meshed`), or where there is
         none 1, or as many as put an element's longer side within ELEMENT_SIDE of the projectile's
         radius, at most MOST_ELEMENTS
-    cell_model, cell_formulation : see CellModel
     bending : [N m2] bending stiffness of a yarn, or of (warp, weft); see Panel
     surface : ResponseSurface to make the cell from instead of laws, or None; see
         surface_cell.SurfaceCell
@@ -112,8 +111,6 @@ class ImpactSetup(PanelSetup, CellNumbers):
     opening: float | tuple[float, float] = 0.203
     end_time: float = 800e-6
     elements_per_crossover: int | None = None
-    cell_model: str = "compressible"
-    cell_formulation: str = "variational"
     bending: float | tuple[float, float] = 0.0
     surface: ResponseSurface | None = None
     table_size: int = 201

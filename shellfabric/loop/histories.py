@@ -25,6 +25,7 @@ from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray, positive, refuse
 from fabrics.base.errors import InputError
 from shellfabric.loop.cone import find_foot
+from shellfabric.loop.history_keys import HistoryKeys
 from shellfabric.loop.hooks import Every
 from shellfabric.loop.snapshots import yarn_tensions
 from shellfabric.membrane.slots import by_node
@@ -45,7 +46,7 @@ LIFT = 1
 
 
 @dataclass(frozen=True)
-class HistoryRequest:
+class HistoryRequest(HistoryKeys):
     """What to record.
 
     Parameters
@@ -60,9 +61,6 @@ class HistoryRequest:
         no numbers of plies
     """
 
-    interval: float = 1e-6
-    warp: tuple[float, ...] = (0.0,)
-    weft: tuple[float, ...] = (0.0,)
     plies: tuple[int, ...] | None = None
 
     def __post_init__(self):

@@ -27,13 +27,14 @@ from fabrics.base import sums
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
-from fabrics.base.schema import declared
+from fabrics.base.schema import declared, list_read, list_unread
 from fabrics.base.sourced import assumed_of
 from fabrics.metals import Metal
 from shellfabric.projectile import sdf_kernels, shapes
 from shellfabric.projectile.bar import Bar
+from shellfabric.projectile.body_numbers import BodyNumbers
 from shellfabric.projectile.profile_kernels import place_profile
-from shellfabric.projectile.shapes import OF_METAL, SHAPES, NoseNumbers, Shape
+from shellfabric.projectile.shapes import SHAPES, NoseNumbers, Shape
 from shellfabric.projectile.solid import Solid
 from shellfabric.projectile.turned import Turned
 from shellfabric.state import Nose, Profile
@@ -47,7 +48,7 @@ STEEPEST = radians(
 
 
 @dataclass(frozen=True)
-class Projectile(NoseNumbers):
+class Projectile(NoseNumbers, BodyNumbers):
     """Projectile; by default a rigid right circular cylinder (thesis section 2.3: 3 g, 5.5 mm,
     flat).
 
@@ -75,8 +76,8 @@ class Projectile(NoseNumbers):
     open_base : whether the jacket leaves the base bare
     cavity_diameter, cavity_depth : [m] of a conical hole in the tip; None without
     element_size : [m] of the mesh of a body of metal; None takes a tenth of the diameter
-    others : of its shape, see `shapes.NoseNumbers`; the strip across a chisel's nose lies along the
-        weft at no obliquity and roll
+    others : of its shape, see `shapes.NoseNumbers`, of its body, see `BodyNumbers`; the strip
+        across a chisel's nose lies along the weft at no obliquity and roll
 
     Raises
     ------
@@ -95,15 +96,6 @@ class Projectile(NoseNumbers):
     roll: float = 0.0
     friction: float = Assumed(0.0)
     body: str | Bar = "rigid"
-    bore_diameter: float | None = None
-    core: str | Metal | None = None
-    jacket: str | Metal | None = None
-    jacket_thickness: float | None = None
-    bare_tip: float | None = None
-    open_base: bool | None = None
-    cavity_diameter: float | None = None
-    cavity_depth: float | None = None
-    element_size: float | None = None
 
     def __post_init__(self):
         if self.shape not in SHAPES:
@@ -128,15 +120,14 @@ class Projectile(NoseNumbers):
     def _check_body(self):
         if not isinstance(self.body, Bar) and self.body not in BODIES:
             raise InputError(key="body", value=self.body, allowed=f"{', '.join(BODIES)} or a Bar")
-        self._check_metal()
-        if self.bore_diameter is not None and (
-            self.body != "elastic_bar" or not 0 < self.bore_diameter < 2 * self.radius
-        ):
-            raise InputError(
-                key="bore_diameter",
-                value=self.bore_diameter,
-                allowed="below the diameter, and with the body elastic_bar",
-            )
+        for name, bodies in list_unread(BodyNumbers, self, self.body):
+            allowed = f"left out but for the body {bodies}"
+            raise InputError(key=name, value=getattr(self, name), allowed=allowed)
+        if self.body == "metal":
+            self._check_metal()
+        if self.bore_diameter is not None and not 0 < self.bore_diameter < 2 * self.radius:
+            allowed = "below the diameter"
+            raise InputError(key="bore_diameter", value=self.bore_diameter, allowed=allowed)
         if self.body == "elastic_bar" and not self.known.of_bar:
             raise InputError(
                 key="body",
@@ -150,13 +141,7 @@ class Projectile(NoseNumbers):
             )
 
     def _check_metal(self):
-        """Refuse what goes with a body of metal alone, and what such a body cannot do."""
-        if self.body != "metal":
-            for key in OF_METAL:
-                if getattr(self, key) is not None:
-                    allowed = "left out but for the body metal"
-                    raise InputError(key=key, value=getattr(self, key), allowed=allowed)
-            return
+        """Refuse what a body of metal cannot do."""
         if not self.known.of_metal:
             names = " or ".join(name for name, known in SHAPES.items() if known.of_metal)
             allowed = f"{names} of the body metal, which is one of revolution"
@@ -293,10 +278,8 @@ class Projectile(NoseNumbers):
     def settings(self) -> dict[str, Any]:
         """{name: value in SI units} of its drawing and mesh, as far as they are given."""
         names = ("shape", "mass", "radius", "edge_radius", "length", *declared(NoseNumbers))
-        if self.body == "metal":
-            names += OF_METAL
-        if self.body == "elastic_bar":
-            names += ("bore_diameter",)
+        if isinstance(self.body, str):
+            names += tuple(list_read(BodyNumbers, self.body))
         given = {name: getattr(self, name) for name in names}
         return {name: value for name, value in given.items() if value is not None}
 

@@ -15,18 +15,6 @@ from typing import Annotated, Any
 from fabrics.base.errors import InputError
 from fabrics.base.schema import ReadBy, angle, declared, key, mark, quantity
 
-# of Projectile, of the body of metal alone
-OF_METAL = (
-    "core",
-    "jacket",
-    "jacket_thickness",
-    "bare_tip",
-    "open_base",
-    "cavity_diameter",
-    "cavity_depth",
-    "element_size",
-)
-
 
 @dataclass(frozen=True, kw_only=True)
 class NoseNumbers:

@@ -161,7 +161,6 @@ class YarnPanel(Panel):
             ("elements_per_crossover", self.elements_per_crossover, 1),
             ("grading", self.grading, None),
             ("bending", self.bending, (0.0, 0.0)),
-            ("cell_formulation", model.cell_formulation, "variational"),
         ]
         if not isinstance(model, CellModel):
             raise InputError(key="surface", value="given", allowed="left out with resolved yarns")

@@ -270,7 +270,15 @@ def plies(stacking, points):
 
 
 ELASTIC = replace(load("backing"), yield_stress=np.inf)
-BLOCK = Backing(ELASTIC, (0.012, 0.012, 0.008), 1e-3, 4e-3, 1.3, "free", hourglass=0.1)
+BLOCK = Backing(
+    ELASTIC,
+    size=(0.012, 0.012, 0.008),
+    min_size=1e-3,
+    refined_depth=4e-3,
+    growth=1.3,
+    outer_boundary="free",
+    hourglass=0.1,
+)
 
 
 def block(kind):

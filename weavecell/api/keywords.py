@@ -49,15 +49,15 @@ class Keywords(TypedDict, total=False):
     law : compression law of warp and weft; needed for a fabric without a published one, such as
         your own; "published", the path of a law written by `weavecell calibrate` (*.json), or a
         table { a = ..., b = ... }
+    surface : response surface of the 3D crossover, which replaces the analytical cell and
+        `fabric.law`; the path of a surface written by `weavecell surface`
+    bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
+        "1e-6 N m^2"
     cell_model : unit cell: yarns that compress, incompressible yarns, or warp and weft without
         interaction; one of "compressible", "incompressible", "decoupled"
     cell_formulation : how forces follow from the state of the cell: gradient of the stored energy
         (`variational`), force equilibrium as in the thesis (`equilibrium`), or interpolated
         tensions of a response surface (`direct`); one of "variational", "equilibrium", "direct"
-    surface : response surface of the 3D crossover, which replaces the analytical cell and
-        `fabric.law`; the path of a surface written by `weavecell surface`
-    bending : bending stiffness of one yarn [N m^2]; a bending stiffness of at least 0, such as
-        "1e-6 N m^2"
     crossover_gap : play between warp and weft at a crossover before they touch [m]; a length of at
         least 0, such as "0 mm"
     projectile : the table [projectile] of the input file, as a dict
@@ -123,10 +123,10 @@ class Keywords(TypedDict, total=False):
 
     weaving_damage: Mapping[str, Number | str] | None
     law: Law | Mapping[str, Quantity]
-    cell_model: Literal["compressible", "incompressible", "decoupled"]
-    cell_formulation: Literal["variational", "equilibrium", "direct"]
     surface: ResponseSurface | FilePath | None
     bending: Quantity
+    cell_model: str
+    cell_formulation: str
     crossover_gap: Quantity
     projectile: Mapping[str, Quantity] | str | None
     preset: Literal["body armour"]

@@ -168,19 +168,6 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
         ),
         MayBeObject(),
     ] = "published"
-    cell_model: one_of(
-        "unit cell: yarns that compress, incompressible yarns, or warp and weft without interaction",
-        "compressible",
-        "incompressible",
-        "decoupled",
-    ) = "compressible"
-    cell_formulation: one_of(
-        "how forces follow from the state of the cell: gradient of the stored energy (`variational`), force "
-        "equilibrium as in the thesis (`equilibrium`), or interpolated tensions of a response surface (`direct`)",
-        "variational",
-        "equilibrium",
-        "direct",
-    ) = "variational"
     surface: Annotated[
         Any,
         Unread("export", "left out: a card is made from compression laws"),

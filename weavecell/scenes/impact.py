@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fabrics import backings, metals, projectiles
+from fabrics import backings, projectiles
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
@@ -20,7 +20,7 @@ from fabrics.base.schema import (
     Table,
     Unread,
     angle,
-    flag,
+    list_unread,
     marked,
     number,
     one_of,
@@ -32,9 +32,12 @@ from fabrics.base.schema import (
     validated,
     whole,
 )
+from shellfabric.block.block_keys import BlockKeys
+from shellfabric.loop.history_keys import HistoryKeys
 from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.projectile import shapes
-from shellfabric.projectile.shapes import OF_METAL, SHAPES, NoseNumbers
+from shellfabric.projectile.body_numbers import BodyNumbers
+from shellfabric.projectile.shapes import SHAPES, NoseNumbers
 from weavecell.scenes import kept_files, presets, stl_file
 from weavecell.scenes.fabric_table import FabricTable, Reader, check_scene, exactly_one
 from weavecell.scenes.panel import PanelTable
@@ -51,7 +54,7 @@ def _name_or_size(schema):
     ]
 
 
-class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its model_config
+class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # frozen by its model_config
     """A projectile by `name`, or by mass, diameter and edge radius. It strikes the middle of the
     panel. It is rigid unless `body` says otherwise.
 
@@ -133,37 +136,6 @@ class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its
         ),
         Unread("export", '"rigid"'),
     ] = "rigid"
-    bore_diameter: quantity(
-        "diameter of a bore into the rear of the elastic bar; its depth follows from the mass",
-        "m",
-        "4.5 mm",
-    ) = None
-
-    core: one_of('metal of the core of a body "metal"; if not given lead', *metals.list_names()) = (
-        None
-    )
-    jacket: one_of(
-        'metal of the jacket of a body "metal"; none if not given', *metals.list_names()
-    ) = None
-    jacket_thickness: quantity("thickness of the jacket; required with a jacket", "m", "0.5 mm") = (
-        None
-    )
-    bare_tip: quantity(
-        "length of the tip that the jacket leaves bare; none if not given", "m", "2 mm"
-    ) = None
-    open_base: flag("whether the jacket leaves the base bare; if not given it does") = None
-    cavity_diameter: quantity(
-        "diameter of a conical hole in the tip of a hollow point, at most the diameter of the flat of the tip; given "
-        "with cavity_depth",
-        "m",
-        "3 mm",
-    ) = None
-    cavity_depth: quantity("depth of that hole; given with cavity_diameter", "m", "4 mm") = None
-    element_size: quantity(
-        'size of the elements of a body "metal"; if not given a tenth of the diameter',
-        "m",
-        "0.6 mm",
-    ) = None
 
     @classmethod
     def required_by(cls, given: Mapping[str, Any]) -> tuple[str, ...]:
@@ -182,17 +154,14 @@ class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its
 
     @model_validator(mode="after")
     def _check_body(self):
-        if self.body != "metal":
-            self.refuse(" ".join(OF_METAL), 'left out but for the body "metal"')
+        for name, bodies in list_unread(BodyNumbers, self, self.body):
+            raise InputError(key=name, allowed=f'left out but for the body "{bodies}"')
         if not SHAPES[self.shape].from_file:
             self.refuse("stl stl_unit density", 'left out but for the shape "stl"')
         if self.obliquity == 0 and self.yaw == 0:
             self.refuse("azimuth", "left out without obliquity and yaw: it is their direction")
         if SHAPES[self.shape].turned:
             self.refuse("roll", f"left out for {SHAPES[self.shape].words}, alike from all sides")
-        if self.body != "elastic_bar":
-            words = {"rigid": "a rigid projectile", "metal": 'the body "metal"'}[self.body]
-            self.refuse("bore_diameter", f"left out for {words}")
         if not SHAPES[self.shape].edged:
             self.refuse("edge_radius", f"left out for {SHAPES[self.shape].words}")
         elif self.edge_radius >= self.diameter / 2:
@@ -200,7 +169,7 @@ class ProjectileTable(Table, NoseNumbers):  # type: ignore[misc] # frozen by its
         return self
 
 
-class BackingTable(Table):
+class BackingTable(Table, BlockKeys):  # type: ignore[misc] # frozen by its model_config
     """A block behind the last ply: a material by name, or by its data.
 
     [backing]
@@ -212,15 +181,6 @@ class BackingTable(Table):
         "backing of `weavecell backings list`; its values replace keys of the material that are not given",
         "the name of a backing",
     ) = None
-    size: quantities(
-        "length, width and thickness of the block",
-        "m",
-        "a list of three lengths",
-        '["300 mm", "300 mm", "180 mm"]',
-    ) = None
-    standoff: quantity(
-        "clearance between last ply and face of the block", "m", "0.5 mm", zero=True
-    ) = 0.0
     modulus: quantity("Young's modulus of the block", "Pa", "100 MPa") = None
     density: quantity("density of the block", "kg/m^3", "3 g/cm^3") = None
     poisson: number("Poisson's ratio of the block", 0.4, ge=0.0, lt=0.5) = None
@@ -240,36 +200,10 @@ class BackingTable(Table):
     reference_rate: quantity("rate of effective plastic strain in that formula", "1/s", "1 / s") = (
         None
     )
-    outer_boundary: one_of(
-        "condition on the faces other than the struck one: fixed, absorbing (dashpots) or free",
-        "fixed",
-        "absorbing",
-        "free",
-    ) = None
-    min_size: quantity(
-        "edge length of the smallest elements, under the impact point", "m", "1 mm"
-    ) = None
-    refined_depth: quantity(
-        "extent of the smallest elements from the axis and from the face", "m", "8 mm"
-    ) = None
-    growth: number(
-        "ratio of the edge lengths of neighbouring elements outside the refined region", 1.3, ge=1.0
-    ) = None
-    after_stop: Annotated[
-        quantity(
-            "time for which the run goes on after the projectile has stopped, so that the block comes to rest; "
-            "if not given, the run ends when the projectile stops",
-            "s",
-            "1 ms",
-            zero=True,
-            most="10 ms",
-        ),
-        Unread("limit v50"),
-    ] = None
 
     @model_validator(mode="after")
     def _check_three_lengths(self):
-        if self.size is not None and len(self.size) != 3:
+        if len(self.size) != 3:
             raise InputError(key="size", allowed="three lengths")
         return self
 
@@ -337,13 +271,10 @@ class RunTable(Table):
         return self
 
 
-_YARNS = "a list of distances of {} yarns from the impact point"
-
-
 NO_HISTORY = "left out: {} nothing along yarns; `weavecell impact` does"
 
 
-class HistoryTable(Table):
+class HistoryTable(Table, HistoryKeys):  # type: ignore[misc] # frozen by its model_config
     """Tension, strain and position along single yarns, and reactions at the edges, against time.
 
     [history]
@@ -351,13 +282,6 @@ class HistoryTable(Table):
     report_positions = ["5 mm", "50 mm"]
     """
 
-    interval: quantity("time between samples along yarns and at the edges", "s", "1 us") = 1e-6
-    warp: quantities(
-        "warp yarns that are recorded", "m", _YARNS.format("warp"), '["0 mm", "10 mm"]'
-    ) = (0.0,)
-    weft: quantities(
-        "weft yarns that are recorded", "m", _YARNS.format("weft"), '["0 mm", "10 mm"]'
-    ) = (0.0,)
     report_positions: Annotated[
         quantities(
             "positions along the yarns at which the report plots tension and strain",

@@ -29,6 +29,7 @@ from fabrics.base.schema import (
     described,
     from_text,
     in_python,
+    list_unread,
     number,
     one_of,
     quantities,
@@ -36,7 +37,7 @@ from fabrics.base.schema import (
     string,
     whole,
 )
-from shellfabric.panel_numbers import PanelNumbers
+from shellfabric.panel_numbers import PanelNumbers, ZoneKeys
 from weavecell.scenes import presets
 from weavecell.scenes.fabric_table import LAW, Law
 
@@ -290,7 +291,7 @@ def _opening_or_preset(schema):
     schema["anyOf"] = [{"required": ["opening"]}, {"required": ["preset"]}]
 
 
-class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its model_config
+class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen by its model_config
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
     `[[panel.ply]]`.
 
@@ -416,30 +417,6 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
         ),
         Unread("export", '"pinned": no law here lets yarns slip'),
     ] = "pinned"
-    zone: Annotated[
-        quantity(
-            "resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm divided by "
-            "`crossover_friction` if this is more",
-            "m",
-            "20 mm",
-        ),
-        Unread("patch"),
-    ] = None
-    aim_seed: Annotated[
-        whole(
-            "resolved yarns: seed of a random impact point within a cell of the weave about the middle of the opening; "
-            "by it, too, the plies of a pack whose edges are clamped are shifted against each other, by 0 if not given",
-            0,
-            2**31 - 1,
-        ),
-        Unread("patch"),
-    ] = None
-    crossover_friction: number(
-        "resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre family if not given, 0.2 of para-aramid",
-        0.2,
-        ge=0.0,
-        le=2.0,
-    ) = None
 
     @property
     def angled(self) -> bool:
@@ -479,21 +456,17 @@ class PanelTable(Table, PanelNumbers):  # type: ignore[misc] # frozen by its mod
             self.refuse("rate_dependence strength", "left out if yarns do not fail")
         if self.angled:
             self.refuse("boundary", f"clamped {BESIDE_ANGLES}")
-        if self.crossovers != "pinned":
-            self._check_resolved()
-        else:
-            self.refuse("zone aim_seed crossover_friction", "left out where crossovers are pinned")
+        if self.crossovers == "pinned":
+            for name, _ in list_unread(ZoneKeys, self, "pinned"):
+                raise InputError(key=name, allowed="left out where crossovers are pinned")
+        elif self.impact_point is not None:
+            self.refuse("aim_seed", "left out beside impact_point")
         # a key of packs that changes nothing is a misunderstanding
         if self.plies == 1:
             self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
         if self.weave_angle != 0:
             self.refuse("stacking", "aligned if the weave is oblique")
         return self
-
-    def _check_resolved(self):
-        """Refuse what resolved yarns do not have."""
-        if self.impact_point is not None:
-            self.refuse("aim_seed", "left out beside impact_point")
 
     @model_validator(mode="after")
     def _check_modelled_part(self):

@@ -25,7 +25,7 @@ def shot_in_words(shot: ProjectileTable) -> str:
         words += ", elastic-plastic along its axis"
     if shot.body == "metal":
         words += f", of {shot.core or 'lead'}"
-        if shot.jacket:
+        if shot.jacket_thickness:
             words += f" in a jacket of {1e3 * shot.jacket_thickness:.3g} mm of {shot.jacket}"
     if shot.friction:
         words += f", with friction {shot.friction:g}"
@@ -34,10 +34,8 @@ def shot_in_words(shot: ProjectileTable) -> str:
 
 def backing_in_words(block: BackingTable) -> str:
     """Describe the block behind the last ply, for the reader."""
-    size = ""
-    if block.size is not None:
-        size = f", {' x '.join(f'{1e3 * side:g}' for side in block.size)} mm"
-    return f"a block{f' of {block.material}' if block.material else ''}{size}"
+    size = " x ".join(f"{1e3 * side:g}" for side in block.size)
+    return f"a block{f' of {block.material}' if block.material else ''}, {size} mm"
 
 
 def panel_in_words(panel: PanelTable) -> str:

@@ -129,7 +129,15 @@ def test_patch_test():
 
 def column(material, n=200, outer_boundary="fixed", h=1e-3, **changes):
     """A column of one brick's width, held sideways: uniaxial strain."""
-    backing = Backing(material, (2 * h, 2 * h, n * h), h, n * h, 1.0, outer_boundary, **changes)
+    backing = Backing(
+        material,
+        size=(2 * h, 2 * h, n * h),
+        min_size=h,
+        refined_depth=n * h,
+        growth=1.0,
+        outer_boundary=outer_boundary,
+        **changes,
+    )
     block = backing.block(0.4 * h / material.wave_speed)
     block.row.free[:, :2] = 0.0
     bottom = block.nodes[:, :, -1].ravel()
@@ -215,11 +223,11 @@ def test_hertz():
     time = 2.5e-4
     backing = Backing(
         ELASTIC,
-        (0.1, 0.1, 0.05),
-        2e-4,
-        2e-3,
-        1.45,
-        "absorbing",
+        size=(0.1, 0.1, 0.05),
+        min_size=2e-4,
+        refined_depth=2e-3,
+        growth=1.45,
+        outer_boundary="absorbing",
         contact_damping=0.3,
     )
     block = backing.block(0.9 * backing.longest_step)

@@ -114,7 +114,14 @@ def test_a_corner_inside_out_bears_a_finite_force_that_opens_it():
 
 def pushed(hourglass):
     """Clay whose middle node of the face is driven in fast, after 0.25 ms."""
-    block = Backing(CLAY, (0.06, 0.06, 0.03), 5e-3, 0.02, 1.3, hourglass=hourglass).block(1e-6)
+    block = Backing(
+        CLAY,
+        size=(0.06, 0.06, 0.03),
+        min_size=5e-3,
+        refined_depth=0.02,
+        growth=1.3,
+        hourglass=hourglass,
+    ).block(1e-6)
     face = block.nodes[:3, :3, 0]
     block.v[face, 2] = np.array([[90.0, 35, 5], [35, 20, 5], [5, 5, 0]])
     start = 0.5 * float(block.mass @ (block.v**2).sum(axis=1))

@@ -178,7 +178,9 @@ def test_measures_of_a_crater():
 def test_a_crater_along_each_yarn_is_the_line_of_the_face_along_it(mirrors):
     """Of a block whose sides differ, pressed in by unlike amounts along x and y."""
     size = (0.08, 0.06, 0.03)
-    backing = Backing(BACKING, size, 5e-3, 10e-3, 1.0, mirrors=mirrors)
+    backing = Backing(
+        BACKING, size=size, min_size=5e-3, refined_depth=10e-3, growth=1.0, mirrors=mirrors
+    )
     block = backing.block(1e-8)
     x, y, _ = block.rest.T
     top = block.nodes[:, :, 0]

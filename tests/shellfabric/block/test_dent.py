@@ -23,7 +23,14 @@ from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
 
 CLAY = backings.load("Roma Plastilina No. 1")
-BLOCK = Backing(CLAY, (0.06, 0.06, 0.03), 2.5e-3, 7.5e-3, 1.5, after_stop=0.105e-3)
+BLOCK = Backing(
+    CLAY,
+    size=(0.06, 0.06, 0.03),
+    min_size=2.5e-3,
+    refined_depth=7.5e-3,
+    growth=1.5,
+    after_stop=0.105e-3,
+)
 LEFT = {  # a free ply throws a light nose back, and leaves the clay
     "projectile": Projectile(mass=0.1e-3, radius=3e-3),
     "opening": 0.03,

@@ -12,7 +12,14 @@ from validation.models.bare_impact import strike
 def test_the_dent_of_a_drop_test_is_deepest_before_it_rests():
     """1 kg falls by 2 m on bricks of 14 mm: peak and rest are two numbers, and the test measures the second."""
     clay = backings.load("Roma Plastilina No. 1")
-    block = Backing(clay, (0.61, 0.61, 0.14), 14e-3, 0.045, 1.5, after_stop=6e-3)
+    block = Backing(
+        clay,
+        size=(0.61, 0.61, 0.14),
+        min_size=14e-3,
+        refined_depth=0.045,
+        growth=1.5,
+        after_stop=6e-3,
+    )
     ball = Projectile(mass=1.0, shape="sphere", radius=0.5 * 63.5e-3)
     found = strike(block, ball, 6.264, 0.03, after=block.after_stop)
     dent = found.block

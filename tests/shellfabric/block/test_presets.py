@@ -83,7 +83,7 @@ def test_stress_turns_with_the_material():
 
 def test_a_flattened_block_makes_shorter_steps_of_its_own():
     """The bound is that of the block at rest for bricks at rest, and half of it at half the height of a flat brick."""
-    backing = Backing(CLAY, (0.012, 0.012, 0.006), 1e-3, 6e-3)
+    backing = Backing(CLAY, size=(0.012, 0.012, 0.006), min_size=1e-3, refined_depth=6e-3)
     block = backing.block(0.7 * backing.longest_step)
     assert block.stable_step() == pytest.approx(backing.longest_step, rel=1e-9)
     block.x[:, 2] *= 0.1
@@ -105,7 +105,7 @@ def test_a_flattened_block_makes_shorter_steps_of_its_own():
 def test_a_flattened_block_gains_no_energy(flat):
     """Bricks that have flowed to a part of their height, and are free of stress, ring at the steps of their own. With
     a bulk viscosity over the lengths at rest those of an eighth of the height turn inside out."""
-    backing = Backing(CLAY, (8e-3, 8e-3, 4e-3), 1e-3, 4e-3)
+    backing = Backing(CLAY, size=(8e-3, 8e-3, 4e-3), min_size=1e-3, refined_depth=4e-3)
     block = backing.block(0.9 * backing.longest_step)
     stretch = np.array([flat**0.5, flat**0.5, 1 / flat])
     block.x[:] = block.rest * stretch
@@ -142,7 +142,15 @@ def test_the_face_goes_on_below_the_bricks_that_are_gone(mirrors, deep):
     """The first two bricks from the axis along x are gone, in the whole on both sides of that line: the nodes about
     them are bare, and of the whole not the one on the axis, which the bricks behind it hold up."""
     steel = Isotropic(3000, 1e8, 0.3)
-    backing = Backing(steel, (0.02, 0.02, 0.02), 2e-3, 4e-3, 1.5, standoff=1e-3, mirrors=mirrors)
+    backing = Backing(
+        steel,
+        size=(0.02, 0.02, 0.02),
+        min_size=2e-3,
+        refined_depth=4e-3,
+        growth=1.5,
+        standoff=1e-3,
+        mirrors=mirrors,
+    )
     block = backing.block(1e-8)
     i, j = (0 if mirrored else n // 2 for mirrored, n in zip(mirrors, block.shape))
     sides = [j] if mirrors[1] else [j - 1, j]
@@ -176,11 +184,11 @@ def test_contacts_act_as_one_impulse_on_steps_of_the_blocks_own(monkeypatch):
     monkeypatch.setattr("shellfabric.block.block.CHECK_INTERVAL", 10**9)
     backing = Backing(
         Isotropic(3000, 1e8, 0.3),
-        (0.02, 0.02, 0.01),
-        1e-3,
-        4e-3,
-        1.4,
-        "free",
+        size=(0.02, 0.02, 0.01),
+        min_size=1e-3,
+        refined_depth=4e-3,
+        growth=1.4,
+        outer_boundary="free",
         viscosity=0.0,
         contact_damping=0.0,
     )

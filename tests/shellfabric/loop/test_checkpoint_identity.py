@@ -52,7 +52,14 @@ BLOCK = replace(
     symmetry="quarter",
     strength=None,
     history=None,
-    backing=Backing(CLAY, (0.04, 0.04, 0.02), 2.5e-3, 5e-3, 1.5, after_stop=1e-4),
+    backing=Backing(
+        CLAY,
+        size=(0.04, 0.04, 0.02),
+        min_size=2.5e-3,
+        refined_depth=5e-3,
+        growth=1.5,
+        after_stop=1e-4,
+    ),
 )
 BASES = {"pack": PACK, "zone": ZONE, "block": BLOCK}
 
