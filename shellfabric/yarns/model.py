@@ -55,6 +55,7 @@ class YarnZone:
     friction : [-] Coulomb's coefficient of yarn on yarn; inf pins all crossings. That of
         `fabrics.assumed.friction_between_yarns` if not given
     lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
+    edge : [-] of the width of a yarn, how far beside its middle line it meets the nose (also there)
     seed : of the aim, by which plies of a pack are shifted against each other (`lie_anywhere`)
 
     Raises
@@ -65,6 +66,7 @@ class YarnZone:
     half_width: float | None = None
     friction: float = friction_between_yarns().number
     lateral: float = entries(DATA)["lateral_stiffness"].number
+    edge: float = entries(DATA)["edge"].number
     seed: int | Sequence[int] | None = None
 
     def __post_init__(self):
@@ -74,6 +76,8 @@ class YarnZone:
             raise InputError(key="crossover_friction", value=self.friction, allowed="at least 0")
         if not 0 < self.lateral < inf:
             raise InputError(key="lateral", value=self.lateral, allowed="above 0")
+        if not 0 <= self.edge <= 0.5:
+            raise InputError(key="edge", value=self.edge, allowed="0 to 0.5")
 
     @property
     def width(self) -> float:
@@ -104,8 +108,16 @@ class YarnZone:
             )
         return (
             f"Yarns are resolved {within}, with a coefficient of friction of {self.friction:g} between them{beyond}.",
+            f"A yarn meets the nose on its middle line and {self.edge:g} of its width beside it{self._edge_span}.",
             aimed,
         )
+
+    @property
+    def _edge_span(self):
+        """The range of the edge if it is assumed, for a sentence."""
+        if not isinstance(self.edge, Assumed):
+            return ""
+        return ", assumed {:g} to {:g}".format(*self.edge.span)
 
     @property
     def assumed_lines(self) -> tuple[str, ...]:
@@ -262,6 +274,7 @@ class YarnPanel(Panel):
             strength_factors=factors,
             rate_law=self.rate_law,
             lateral=self.resolved.lateral,
+            edge=self.resolved.edge,
             numbers=self,
         )
 

@@ -7,6 +7,12 @@ distance D of the projectile (`sdf_kernels`), its normal n and friction as for t
 contact (`friction_kernels`),
 
     f = k <r - D> n,   U = k <r - D>^2 / 2
+
+A yarn is wider than it is thick. Each point is three across it: on the middle line and at the two
+edges, which lie `nose_edge` beside it, along the direction that is across the yarn and in the plane
+of the fabric at rest; each has a third of k. That direction does not turn, so that an edge moves as
+the middle line does: the force of an edge goes to the nodes of the middle line and its moment about
+it is left out, and no energy with it.
 """
 
 import math
@@ -28,6 +34,7 @@ from shellfabric.yarns.curve_kernels import FIXED, gather, scatter
 AT_NODE, BETWEEN = 0, 1
 MOST_STRETCH = 1.5  # of a whole segment
 MIDDLE_WEIGHTS = (0.0, 0.5, 0.5)
+ACROSS = 3  # points across a yarn: edge, middle line, edge
 
 
 @kernel(_nrt=False)
@@ -44,36 +51,46 @@ def nose_forces(zone, state, const):
             last = n + zone.nodes[family] - 2
             held = not zone.torn[family, yarn]
             while n < last:
-                far = beyond_reach(zone, state, const, n)
+                far = beyond_reach(zone, state, const, n, family)
                 if far > 0.0:
                     if held:  # no node of a whole yarn is nearer than that
                         n += int(far / (MOST_STRETCH * zone.rest_length[n]))
                 else:
                     after = zone.whole[n]
                     both = zone.whole[n - 1] and after
-                    nose_point(zone, state, const, n, AT_NODE, FIXED, both, held)
-                    nose_point(zone, state, const, n, BETWEEN, MIDDLE_WEIGHTS, after, held)
+                    for beside in range(ACROSS):
+                        edge = 1 - family, (beside - 1.0) * zone.nose_edge[family]
+                        point = AT_NODE * ACROSS + beside
+                        nose_point(zone, state, const, n, point, edge, FIXED, both, held)
+                        point = BETWEEN * ACROSS + beside
+                        nose_point(zone, state, const, n, point, edge, MIDDLE_WEIGHTS, after, held)
                 n += 1
 
 
 @kernel(_nrt=False)
-def beyond_reach(zone, state, const, n):
+def beyond_reach(zone, state, const, n, family):
     """Compute the distance [m] by which a node is farther from the line of flight than the nose,
     and a segment, reach."""
     place = subtract(column(zone.x, 0, n), three(state.projectile_position, 0))
     x, y, _ = components(const.frame, place)
-    reach = const.projectile_radius + zone.rod + 2.0 * zone.rest_length[n]
+    reach = const.projectile_radius + zone.rod + zone.nose_edge[family]
+    reach += 2.0 * zone.rest_length[n]
     return math.sqrt(x * x + y * y) - reach
 
 
 @kernel(_nrt=False)
-def nose_point(zone, state, const, n, kind, weights, whole, held):
-    """Compute the contact of one point."""
+def nose_point(zone, state, const, n, kind, edge, weights, whole, held):
+    """Compute the contact of one point; edge : (axis, [m]) of its place beside the middle line."""
     if not whole:
         zone.lost_with_yarns += zone.nose_energy[n, kind]
         zone.nose_energy[n, kind] = 0.0
         return
+    axis, beside = edge
     place = add_scaled(gather(zone.x, n, weights), -1.0, state.projectile_position)
+    if axis == 0:
+        place = place[0] + beside, place[1], place[2]
+    else:
+        place = place[0], place[1] + beside, place[2]
     x, y, z = components(const.frame, place)
     reach = const.projectile_radius + zone.rod
     square = x * x + y * y
@@ -92,7 +109,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
             zone.friction_force[n, kind] = 0.0
         return
     normal = combined(const.frame, normal)
-    push, zone.nose_energy[n, kind] = normal_kernels.spring(zone.nose_stiffness, depth)
+    push, zone.nose_energy[n, kind] = normal_kernels.spring(zone.nose_stiffness / ACROSS, depth)
     zone.stored_at_nose += zone.nose_energy[n, kind]
     force = scaled(push, normal)
     if const.friction > 0.0:
@@ -108,7 +125,7 @@ def nose_point(zone, state, const, n, kind, weights, whole, held):
 def nose_friction(zone, state, const, n, kind, weights, normal, push):
     """Compute the friction of one point (`friction_kernels.friction_force`), without damping."""
     velocity = add_scaled(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
-    spring = zone.nose_stiffness, 0.0
+    spring = zone.nose_stiffness / ACROSS, 0.0
     limit = const.friction * push
     slip = zone.friction_slip[n, kind]
     pull = zone.friction_force[n, kind]

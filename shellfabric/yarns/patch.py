@@ -69,6 +69,7 @@ class YarnPatch:
     strength_factors : (warp, weft) factors on the strength of each yarn; None where all are alike
     rate_law : as `Panel.rate_law`
     lateral : factor on the lateral stiffness of yarns
+    edge : [-] of the width of a yarn, how far beside its middle line it meets the nose
     numbers : PanelNumbers
     """
 
@@ -83,6 +84,7 @@ class YarnPatch:
     strength_factors: tuple[FloatArray, FloatArray] | None = None
     rate_law: FloatArray = field(default_factory=lambda: np.zeros((2, 3, 0)))
     lateral: float = 1.0
+    edge: float = 0.0
     numbers: PanelNumbers = field(default_factory=PanelNumbers)
 
     @property
@@ -426,9 +428,10 @@ class YarnPatch:
             **self.beside,
             rod=0.25 * self.weave.thickness,
             nose_stiffness=NOSE * unit,
-            nose_energy=np.zeros((size, 2)),
-            friction_slip=np.zeros((rubbing, 2, 3)),
-            friction_force=np.zeros((rubbing, 2, 3)),
+            nose_edge=self.edge * self.beside["touch_distance"],
+            nose_energy=np.zeros((size, 6)),
+            friction_slip=np.zeros((rubbing, 6, 3)),
+            friction_force=np.zeros((rubbing, 6, 3)),
             substeps=steps,
             warp_share=self.warp_share,
             furthest=MOST_APART * max(self.spacing),

@@ -88,17 +88,18 @@ class Zone(Row):
     closest_distance = array("2", "m", "w2")
     closest_stiffness = array("2", "N/m", "k2")
     rod = number("m", "half thickness of a yarn under the nose")
-    nose_stiffness = number("N/m", "penalty of a point")
+    nose_edge = array("2", "m", "from the middle line of warp and weft to their edges")
+    nose_stiffness = number("N/m", "penalty of three points across a yarn")
     nose_energy = array(
-        "all nodes, 2", "J", "that the points at a node and behind it hold", kept=True
+        "all nodes, 6", "J", "that the points at a node and behind it hold", kept=True
     )
     friction_slip = array(
-        "n, 2, 3",
+        "n, 6, 3",
         "m",
         "elastic slip of these points on the nose; empty without friction",
         kept=True,
     )
-    friction_force = array("n, 2, 3", "N", "last friction forces of these points", kept=True)
+    friction_force = array("n, 6, 3", "N", "last friction forces of these points", kept=True)
     substeps = integer("-", "steps in a step of the ply")
     most_past = tally(
         "-", "nodes that were past the surface of the next ply, at one sample at most", kept=True

@@ -251,8 +251,9 @@ def _set_value(setup, name, value):
             return replace(setup, packed_area=value)
         case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
             return replace(setup, crossovers=replace(setup.crossovers, friction=value))
-        case "lateral stiffness of yarns" if setup.crossovers is not None:
-            return replace(setup, crossovers=replace(setup.crossovers, lateral=value))
+        case _ if name in inputs.OF_RESOLVED_YARNS and setup.crossovers is not None:
+            field, _ = inputs.OF_RESOLVED_YARNS[name]
+            return replace(setup, crossovers=replace(setup.crossovers, **{field: value}))
         case "clamp force":
             return replace(setup, boundary=_scale_clamp_force(setup.boundary, value))
     return setup
@@ -270,8 +271,9 @@ def _is_given(setup, name):
             number = setup.packed_area
         case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
             number = setup.crossovers.friction
-        case "lateral stiffness of yarns" if setup.crossovers is not None:
-            number = setup.crossovers.lateral
+        case _ if name in inputs.OF_RESOLVED_YARNS and setup.crossovers is not None:
+            field, _ = inputs.OF_RESOLVED_YARNS[name]
+            number = getattr(setup.crossovers, field)
         case _:
             return False
     return not is_assumed(number)

@@ -23,6 +23,11 @@ from shellfabric.impact.setup import ImpactSetup
 
 FRICTION_OF_CROSSOVERS = "friction of crossovers"  # of `ranges`
 _PATH = Path(__file__).with_suffix(".toml")
+# field of `YarnZone` and key of its assumed.toml, by what is assumed of resolved yarns
+OF_RESOLVED_YARNS = {
+    "lateral stiffness of yarns": ("lateral", "lateral_stiffness"),
+    "edge of yarns under the nose": ("edge", "edge"),
+}
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,8 @@ def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
     of_sheet = data_sheet.entries()
     assumed = shot_entries(*fabrics) | table("assumed")
     assumed[FRICTION_OF_CROSSOVERS] = friction_between_yarns(*fabrics)
-    assumed["lateral stiffness of yarns"] = families.entries(DATA)["lateral_stiffness"]
+    for name, (_, key) in OF_RESOLVED_YARNS.items():
+        assumed[name] = families.entries(DATA)[key]
     return assumed | {"area of packed fabric": of_sheet["packed_area"]}
 
 

@@ -92,6 +92,7 @@ CHANGES = {
     "contact of plies": ("pack", {"contact": PlyContact(damping=0.07)}),
     "friction of crossovers": ("zone", with_part("crossovers", friction=0.21)),
     "stiffness sideways": ("zone", with_part("crossovers", lateral=1.3)),
+    "edge of yarns": ("zone", with_part("crossovers", edge=0.3)),
     "zone": ("zone", with_part("crossovers", half_width=9e-3)),
     "material of the block": (
         "block",

@@ -159,7 +159,9 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(table, tmp_path):
 
 def test_snapshots_and_the_deflection_have_the_yarns_of_the_zone(table):
     """Places and tensions of the elements under the nose are those of the yarns, continuous across the rim."""
-    result = run_impact(replace(SETUP, crossovers=YarnZone(8e-3, inf)), table=table)
+    # a line under the nose, whose tension still rises at the end
+    zone = YarnZone(8e-3, inf, edge=0.0)
+    result = run_impact(replace(SETUP, crossovers=zone), table=table)
     last = result.last[0]
     (i0, i1), (j0, j1) = result.panel.rim_rows
     assert result.peak_tension[1] == pytest.approx(last.tension[..., 1].max(), rel=0.1)
@@ -209,7 +211,10 @@ def test_a_run_that_loses_its_energy_says_which_part_has_it(table):
 
 def test_yarns_that_are_cut_outside_the_zone_alone_are_counted(table):
     """Beyond the rim yarns are pinned: there a cut one hands its whole tension to the next."""
-    solver = PackSolver(replace(SETUP, strike_velocity=250.0).target(table), 250.0, 30e-6).run()
+    # lines under the nose, beside which a whole yarn is left
+    line = replace(SETUP.crossovers, edge=0.0)
+    shot = replace(SETUP, strike_velocity=250.0, crossovers=line)
+    solver = PackSolver(shot.target(table), 250.0, 30e-6).run()
     part = solver.part("yarns")
     cut = solver.sample("cut_yarns")[-1]
     torn = np.count_nonzero(part.zone.torn)
@@ -287,3 +292,32 @@ def test_a_random_aim_is_that_of_its_seed_within_a_cell_of_the_weave():
     assert aim(weave) == (0.5 * w1, 0.5 * w2)
     assert max(abs(x) for x, _ in aims) < 2 * w1
     assert max(abs(y) for _, y in aims) < 2 * w2
+
+
+def test_a_yarn_is_as_wide_as_its_edges_where_a_nose_meets_it(table):
+    """A sphere in a gap: with a width it meets yarns beside it sooner, is held harder, and the energy holds."""
+    sphere = Projectile(mass=0.11e-3, radius=1.5e-3, shape="sphere")
+    spacing = 2 * np.array(table.model.fabric.weave.w)
+    gap = replace(
+        SETUP,
+        strike_velocity=60.0,
+        projectile=sphere,
+        impact_point=tuple(0.5 * spacing),
+        end_time=25e-6,
+    )
+    left = {}
+    for edge in (0.0, 0.2, 0.45):
+        shot = replace(gap, crossovers=YarnZone(8e-3, 0.2, edge=edge))
+        result = run_impact(shot, table=table)
+        assert energies_hold(result, 1e-3)
+        left[edge] = result.velocity[-1]
+    assert left[0.0] - 0.5 > left[0.2] > left[0.45] + 0.3
+
+
+def test_the_width_under_the_nose_is_told_as_assumed():
+    (sentence,) = (line for line in YarnZone().assumptions if "meets the nose" in line)
+    assert sentence.endswith("0.2 of its width beside it, assumed 0.1 to 0.45.")
+    (given,) = (line for line in YarnZone(edge=0.3).assumptions if "meets the nose" in line)
+    assert given.endswith("0.3 of its width beside it.")
+    with pytest.raises(InputError, match=r"edge = 0\.7: must be 0 to 0\.5"):
+        YarnZone(edge=0.7)

@@ -249,6 +249,7 @@ READ = {
     "clamp force": (lambda setup: setup.boundary[0].force, (10.0, 40.0)),
     "friction of crossovers": (lambda setup: setup.crossovers.friction, (0.1, 0.3)),
     "lateral stiffness of yarns": (lambda setup: setup.crossovers.lateral, (0.5, 2.0)),
+    "edge of yarns under the nose": (lambda setup: setup.crossovers.edge, (0.1, 0.45)),
     PACKED: (lambda setup: setup.packed_area, (0.3, 0.7)),
 }
 
@@ -537,6 +538,7 @@ def test_the_failure_length_is_at_most_one_spacing():
         (PACKED, lambda s: replace(s, packed_area=0.42)),
         ("friction of crossovers", lambda s: replace_in(s, "crossovers", friction=0.23)),
         ("lateral stiffness of yarns", lambda s: replace_in(s, "crossovers", lateral=1.4)),
+        ("edge of yarns under the nose", lambda s: replace_in(s, "crossovers", edge=0.3)),
     ],
 )
 def test_a_number_of_the_users_own_is_not_varied(name, given):
