@@ -112,7 +112,7 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
             chapters_shot.chapter(first, view.still(first)),
             chapters.comparison(rows),
             chapters.mesh(
-                solved.mesh.summary(), (out / "calibration" / "crossover.png").read_bytes()
+                solved.mesh.words(), (out / "calibration" / "crossover.png").read_bytes()
             ),
             fit,
             cell,

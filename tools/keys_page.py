@@ -1,4 +1,5 @@
-"""The page input.md: every key of input files and result files, from the schema and the declared keys."""
+"""The pages input.md and results.md: every key of input files and of result files, from the schema and the declared
+keys."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fabrics.base.schema import Table, entries, tables, unit_of, unread, with_tables
-from weavecell.results import keys
+from weavecell.results import keys, one_table
+from weavecell.results.result_folder import KINDS
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.impact import Scene
 
@@ -32,19 +34,28 @@ out; its text then says what holds. **Commands** says who uses the key: *impact*
 `weavecell critical-velocity` and `v50`, *export* and *coupon* are the commands of these names; `sweep`,
 `compare` and `reduce tests` use keys as the command that they repeat."""
 # command: what it reads a scene for
+HEAD_OF_RESULTS = """# Result files
+
+Made from the code. A `*` stands for a name or number that the run gives. The table of a result is its CSV file and its
+`to_dataframe()`, with the same columns; `wc.load(folder)` has it again to the last digit. [Files](files.md) says which
+command writes which."""
 COMMANDS = {"impact": "shot", "limits": "limit", "export": "export", "coupon": "coupon"}
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
     "summary.json of impacts": keys.IMPACT,
     "summary.json of coupons": keys.TABLES["coupon"],
-    "critical-velocity.json": keys.TABLES["critical_velocity"],
+    **{
+        f"{name} and its table": keys.TABLES[kind.table]
+        for name, kind in KINDS.items()
+        if kind.table != "coupon"
+    },
     "Energies": keys.TABLES["energies"],
     "histories.h5 of impacts": keys.DATASETS,
     "histories.h5 of coupons": keys.COUPON_DATASETS,
     "Attributes in histories.h5": keys.ATTRIBUTES,
 }
 NOTES = {
-    "critical-velocity.json": "Also format, fabric, law_name, wall_time_s, checks and provenance, as in summary.json.",
+    "critical-velocity.json and its table": "Also fabric, law_name and wall_time_s, as in summary.json.",
     "Energies": "Entries of the energy balance, each computed on its own; in `energies_at_end_J` and `/energies`.",
     "histories.h5 of impacts": "A file holds the groups that its run gives.",
     "Attributes in histories.h5": "The root also has the texts and scalars of summary.json.",
@@ -58,11 +69,23 @@ def page() -> str:
         "Title and `[fabric]` as above; one table of a test; `[run]`.",
         *_tables(CouponScene, "title", "fabric"),
     ]
-    parts += ["## Keys of result files", "A `*` stands for a name or number that the run gives."]
+    return "\n\n".join(parts) + "\n"
+
+
+def results_page() -> str:
+    """Write the text of the page of result files."""
+    parts = [HEAD_OF_RESULTS]
     for title, table in RESULTS.items():
-        rows = [(f"`{key.name}`", key.si_unit, key.meaning) for key in table if not key.of]
+        rows = []
+        for key in table:
+            column = key.name.startswith(one_table.ROWS)
+            name = f"`{key.name.removeprefix(one_table.ROWS)}`"
+            if column:
+                name += ", column"
+            if column or not key.of:
+                rows.append((name, key.si_unit, key.meaning))
         parts += [
-            f"### {title}",
+            f"## {title}",
             *([NOTES[title]] if title in NOTES else []),
             _table(("key", "unit", "meaning"), rows),
         ]

@@ -2,10 +2,11 @@
 
     python tools/reference_pages.py [docs/generated]
 
-Kept in git, for those who read the repository: input.md has every key of input and result files, files.md tables of
-output and data files; scene.schema.json and coupon.schema.json are JSON Schemas of the input files, for editors.
+Kept in git, for those who read the repository: input.md has every key of input files; scene.schema.json and
+coupon.schema.json are JSON Schemas of the input files, for editors.
 
-Made with the site alone, in the folder `site`: cli.md has every command with its arguments, options and defaults, as
+Made with the site alone, in the folder `site`: results.md has every key of result files, files.md tables of output and
+data files; cli.md has every command with its arguments, options and defaults, as
 `weavecell COMMAND --help`; python.md the functions and results of the Python interface, as `help(wc.impact)`; errata.md
 the errata of the thesis, architecture.md the layers and folders, kernel-arrays.md what kernels take.
 """
@@ -137,7 +138,7 @@ def schemas():
 
 def kept_pages():
     """Write the pages and schemas that are kept in git: {name: text}."""
-    texts = {"input.md": keys_page.page(), "files.md": file_formats.page()}
+    texts = {"input.md": keys_page.page()}
     for name, found in schemas().items():
         texts[name] = json.dumps(found, indent=2) + "\n"
     return texts
@@ -146,6 +147,8 @@ def kept_pages():
 def site_pages():
     """Write the pages that the site alone has: {name: text}."""
     return {
+        "site/results.md": keys_page.results_page(),
+        "site/files.md": file_formats.page().replace("](../", "](../../"),
         "site/cli.md": cli(),
         "site/python.md": python_page.page(),
         "site/errata.md": errata_page.page(),

@@ -45,12 +45,12 @@ if TYPE_CHECKING:
 STATES = 241
 RATIOS = ("1:1", "1:0", "0:1")
 COLUMNS = {
-    "T1": "warp tension [N]",
-    "T2": "weft tension [N]",
-    "F": "contact force [N]",
-    "h1": "warp height [m]",
-    "h2": "weft height [m]",
-    "W": "stored energy [J]",
+    "T1": "tension_warp_N",
+    "T2": "tension_weft_N",
+    "F": "contact_force_N",
+    "h1": "height_warp_m",
+    "h2": "height_weft_m",
+    "W": "stored_energy_J",
 }
 NAMES = (
     "biaxial.csv",
@@ -244,6 +244,8 @@ class BiaxialResult(Result):
     (241, 2)
     """
 
+    kind = "biaxial"
+
     model: CellModel
     paths: dict[str, CellPath]
     solved: dict[str, Record]
@@ -269,23 +271,17 @@ class BiaxialResult(Result):
         """{label: (strain_warp, strain_weft)} of the paths."""
         return {f"strains {text}": tuple(path.strain.T) for text, path in self.paths.items()}
 
-    def summary(self) -> dict[str, Any]:
-        """Return the settings; the largest energy that the fabric stores without failure, and its
-        strains; of each path the yarn that is first at its strength, strains, tensions and contact
-        force there; beside the 3D crossover the rms difference of the tensions [N]."""
-        settings = {
-            "fabric": self.fabric.name,
-            "cell_formulation": self.model.cell_formulation,
-            "law": self.source,
-        }
-        most, *strains = self.energy_map.most
-        return settings | {
-            "largest_energy_J_m2": most,
-            "strain_at_largest_energy": strains,
-            "mesh": self.size,
-            "paths": {text: self._end(text) for text in self.paths},
-            **self._what_is_assumed(),
-        }
+    @property
+    def strain_at_largest_energy(self) -> tuple[float, float]:
+        """Strains of warp and weft at the largest energy that the fabric stores without failure."""
+        _, warp, weft = self.energy_map.most
+        return warp, weft
+
+    @property
+    def ends(self) -> dict[str, dict[str, Any]]:
+        """Where each path ends: the yarn that is first at its strength, strains, tensions [N] and
+        contact force [N]; beside the 3D crossover the rms difference of the tensions [N]."""
+        return {text: self._end(text) for text in self.paths}
 
     def _end(self, text):
         path = self.paths[text]
@@ -316,8 +312,8 @@ class BiaxialResult(Result):
         strains = np.concatenate([path.strain for path in paths])
         columns: dict[str, Any] = {
             "ratio": np.repeat(list(self.paths), lengths),
-            "warp strain [-]": strains[:, 0],
-            "weft strain [-]": strains[:, 1],
+            "strain_warp": strains[:, 0],
+            "strain_weft": strains[:, 1],
         }
         for key, name in COLUMNS.items():
             columns[name] = np.concatenate([path.response[key] for path in paths])
@@ -333,8 +329,7 @@ class BiaxialResult(Result):
         from weavecell.results import provenance
 
         stamp = provenance.stamp("", self.fabric)
-        table = self.to_dataframe().to_csv(index=False, float_format="%.8g")
-        files.write(folder / "biaxial.csv", table)
+        files.write(folder / "biaxial.csv", self.to_csv())
         for text, history in self.solved.items():
             history.write(folder / f"{_stem(text)}.h5")
         json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
@@ -378,8 +373,7 @@ class BiaxialResult(Result):
         from pandas import DataFrame
 
         rows = []
-        for text in self.paths:
-            end = self._end(text)
+        for text, end in self.ends.items():
             row = {
                 "strains, warp : weft": text,
                 "first at its strength": end["failed"],
@@ -394,8 +388,7 @@ class BiaxialResult(Result):
 
     def __str__(self) -> str:
         lines = []
-        for text in self.paths:
-            end = self._end(text)
+        for text, end in self.ends.items():
             strains = _pair(100 * end["strain"], ".2f")
             tensions = _pair(end["tension"], ".1f")
             lines.append(

@@ -8,6 +8,7 @@ The folder of `weavecell calibrate`
     law.json            the fitted law, for `law` in an input file, and the contact law of plies of
                         a pack
     calibration.json    all numbers of the calibration, and provenance.json where they come from
+    paths.csv           these paths in one table
     <path>.h5           histories of the loading paths and of the compression between plates
     crossover.*         the mesh, as `weavecell mesh` writes it, with quality.png and mesh.json
     report.html
@@ -24,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 import numpy as np
 
 from fabrics import assumed, plausible
-from fabrics.base import run_cache
+from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
@@ -65,6 +66,7 @@ NAMES = (
     "law-warp.json",
     "law-weft.json",
     "calibration.json",
+    "paths.csv",
     "provenance.json",
     "solid.json",
     "law-interval.json",
@@ -392,6 +394,8 @@ class CalibrationResult(Result):
     """
 
     fabric: Fabric
+    kind = "law"
+
     calibration: Calibration
     mesh: meshes.MeshResult
     failed: dict[str, str] = field(default_factory=dict)
@@ -610,6 +614,7 @@ class CalibrationResult(Result):
         self.mesh.save(folder)
         stamp = provenance.stamp("", fabric)
         json_file.write(folder / "provenance.json", stamp)
+        files.write(folder / "paths.csv", self.to_csv())
         lead = (
             "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to "
             "the thickness that its yarns lose under their contact force."
@@ -619,7 +624,7 @@ class CalibrationResult(Result):
         title = f"{fabric.name}: compression law from the 3D crossover"
         card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
         picture = (folder / "crossover.png").read_bytes()
-        of_mesh = chapters.mesh(self.mesh.summary(), picture)
+        of_mesh = chapters.mesh(self.mesh.words(), picture)
         sections = (*self.sections(), of_mesh, checks.section(self.checks))
         chapters.write(folder, title, lead, (fabric,), (card,), sections, stamp, done.seconds)
         # law.json comes last: a folder that has it is complete

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Unpack
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
@@ -35,7 +35,7 @@ from weavecell.api.scatter import V50Result
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import is_input_file, list_assumptions, resolve_target
 from weavecell.report import installed
-from weavecell.results import display, keys, out_folder
+from weavecell.results import out_folder
 from weavecell.results.left_out import LeftOut
 
 if TYPE_CHECKING:
@@ -332,6 +332,37 @@ def _range_of_difference(panels, width, report, runs):
 DIFFERENCE = "difference of the limits without scatter"
 
 
+class ComparedPanel(NamedTuple):
+    """A row of the table: a panel, or A less B.
+
+    Parameters
+    ----------
+    quantity : of `QUANTITIES`
+    panel : what it is called
+    value, low, high : [m/s] V50 or limit, and its interval
+    areal_density : [kg/m2]
+    specific_energy : [J m2/kg]
+    """
+
+    quantity: str
+    panel: str
+    value: float
+    low: float
+    high: float
+    areal_density: float
+    specific_energy: float
+
+    @property
+    def v50(self) -> float | None:
+        """[m/s] None where limits are compared."""
+        return self.value if self.quantity == "v50" else None
+
+    @property
+    def critical_velocity(self) -> float | None:
+        """[m/s] None where V50 are compared."""
+        return None if self.quantity == "v50" else self.value
+
+
 @dataclass(frozen=True, repr=False)
 class ComparisonResult(DrawnResult):
     """Two panels or packs, A and B; the table has a row for each and one for A less B.
@@ -350,10 +381,17 @@ class ComparisonResult(DrawnResult):
     True
     """
 
+    kind = "difference"
+
     quantity: str
     a: V50Result | CriticalVelocityResult
     b: V50Result | CriticalVelocityResult
     assumed_range: AssumedRange | None = None
+
+    @property
+    def quantity_words(self) -> str:
+        """ "V50" or "critical velocity"."""
+        return QUANTITIES[self.quantity]
 
     @property
     def targets(self) -> tuple[Target, Target]:
@@ -539,57 +577,24 @@ class ComparisonResult(DrawnResult):
         failures = (*failures, *getattr(getattr(self.b, "study", None), "failures", ()))
         return lines + [f"Without an outcome: {failure}." for failure in failures]
 
-    def summary(self) -> dict[str, Any]:
-        """Return verdict, difference with its intervals, values and masses of A and B."""
-        difference = self.difference
-        low, high = self.interval
-        numbers: dict[str, Any] = {
-            "a": self.names[0],
-            "b": self.names[1],
-            "quantity": QUANTITIES[self.quantity],
-            "verdict": self.verdict,
-            "difference_m_s": difference.value,
-            "low_m_s": low,
-            "high_m_s": high,
-            "low_by_shots_m_s": difference.low,
-            "high_by_shots_m_s": difference.high,
-            "confidence": difference.confidence,
-            "correlation": difference.correlation,
-            "shots_of_each": difference.shots,
-            "shots_to_decide": self.shots_to_decide,
-            "reason": difference.reason,
-        }
-        for letter, value, density, energy in zip(
-            "ab", self.values, self.areal_densities, self.specific_energies
-        ):
-            numbers[f"{letter}_m_s"] = value
-            numbers[f"{letter}_areal_density_kg_m2"] = density
-            numbers[f"{letter}_specific_energy_J_m2_kg"] = energy
-        return numbers | self._what_is_assumed()
-
-    def _columns(self):
+    def _items(self):
         difference = self.difference
         spans = [_span(self.a), _span(self.b), (difference.low, difference.high)]
-        densities = self.areal_densities
-        energies = self.specific_energies
-        of = {"v50": "v50", "critical-velocity": "critical_velocity"}[self.quantity]
-        return {
-            "panel": [*self.names, "A less B"],
-            f"{of}_m_s": [*self.values, difference.value],
-            "low_m_s": [span[0] for span in spans],
-            "high_m_s": [span[1] for span in spans],
-            "areal_density_kg_m2": [*densities, densities[0] - densities[1]],
-            "specific_energy_J_m2_kg": [*energies, energies[0] - energies[1]],
-        }
+        less = [one[0] - one[1] for one in (self.areal_densities, self.specific_energies)]
+        return [
+            ComparedPanel(self.quantity, name, value, *span, density, energy)
+            for name, value, span, density, energy in zip(
+                (*self.names, "A less B"),
+                (*self.values, difference.value),
+                spans,
+                (*self.areal_densities, less[0]),
+                (*self.specific_energies, less[1]),
+            )
+        ]
 
     def table(self) -> DataFrame:
         """Return the table with labels and units."""
-        table = self.to_dataframe()
-        columns = {}
-        for name in table:
-            key = keys.infer_key(str(name))
-            columns[key.meaning] = (key.unit, table[name])
-        return display.frame(columns)
+        return self._labelled_columns()
 
     def _notebook_table(self):
         return self.table()
@@ -617,7 +622,7 @@ class ComparisonResult(DrawnResult):
         content["assumed_range"] = around and around.summary()
         return {
             "difference.json": content,
-            "difference.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "difference.csv": self.to_csv(),
             "difference.svg": None,
         }
 

@@ -5,14 +5,14 @@ The folder of `weavecell coupon`
     inputs/         copies of the files that the input file names
     histories.h5    measures, nodes and shear after every step, tensions at the end
                     (`results.coupon`)
+    coupon.csv      the measures as a table, one row a step or a sample of the load
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
                     it
 
-A pull-out has no load steps and no checkpoint: its histories.h5 holds the samples of the load, and
-load.csv holds them as text.
+A pull-out has no load steps and no checkpoint: its histories.h5 holds the samples of the load.
 
 Everything but the checkpoint is written when the run has ended, also if it ended by becoming
 unstable.
@@ -63,7 +63,7 @@ NAMES = (
     *out_folder.INPUT,
     "histories.h5",
     "summary.json",
-    "load.csv",
+    "coupon.csv",
     "pictures/*",
     "report.html",
 )
@@ -345,6 +345,8 @@ class CouponResult(Result):
     [0.044, 0.087]
     """
 
+    kind = "coupon"
+
     record: Record
     solved: Any
     case: Case
@@ -522,6 +524,7 @@ class CouponResult(Result):
         stamp = provenance.stamp(self.text, self.case.fabric)
         # paths of a coupon are those that were read
         result_folder.keep_input(folder, self.text, self.case.scene, Path())
+        files.write(folder / "coupon.csv", self.to_csv())
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed()
         content |= {"provenance": stamp}
@@ -658,8 +661,4 @@ class PullOutResult(CouponResult):
 
     def _write_record(self, out):
         coupon_results.write(out / "histories.h5", self.record)
-        load = self.record.to_dataframe().rename(
-            columns=lambda name: f"{name} [{self.record.unit(name)}]"
-        )
-        files.write(out / "load.csv", load.to_csv(index=False, float_format="%.9g"))
         return {}

@@ -5,6 +5,7 @@ has computed and ends with exit code 3. All cases need dolfinx and PETSc.
 
 The folder of `weavecell crossover`
     case.h5     every converged state: columns with their meanings (`fabrics.base.record`)
+    case.csv    the same as a table
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
 

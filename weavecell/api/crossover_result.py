@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from shellfabric.membrane.indicator import Indicator
 
-NAMES = ("case.h5", "case.json", "pictures/curve.svg", "pictures/deformed.png")
+NAMES = ("case.h5", "case.csv", "case.json", "pictures/curve.svg", "pictures/deformed.png")
 
 
 class Case(NamedTuple):
@@ -62,6 +62,8 @@ class CrossoverResult(Result):
     >>> pulled = wc.crossover.yarn("S-720", mesh="coarse")  # doctest: +SKIP
     >>> pulled.summary()["greatest tension [N]"], pulled.record["strain"][-1]  # doctest: +SKIP
     """
+
+    kind = "case"
 
     fabric: Fabric
     case: str
@@ -104,6 +106,7 @@ class CrossoverResult(Result):
         out = Path(out)
         record = self.record
         record.write(out / "case.h5")
+        files.write(out / "case.csv", self.to_csv())
         content = {
             "fabric": self.fabric.name,
             "case": record.facts["case"],

@@ -230,6 +230,8 @@ class TestsResult(DrawnResult):
     # pytest would take a class of this name for tests
     __test__ = False
 
+    kind = "tests"
+
     reduced: ReducedTests
     tests: str
 
@@ -258,7 +260,7 @@ class TestsResult(DrawnResult):
         picture."""
         return {
             "tests.json": {"format": "weavecell tests 1", **self.summary()},
-            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "shots.csv": self.to_csv(),
             "tests.svg": None,
         }
 
@@ -285,6 +287,8 @@ class TestsBesideShots(StudyResult):
     >>> list(comparison.to_dataframe()["computed"])
     ['stopped', 'perforated']
     """
+
+    kind = "comparison"
 
     target: Target
     comparison: Comparison
@@ -327,7 +331,7 @@ class TestsBesideShots(StudyResult):
         """Return {file: what it holds}, as `StudyResult` does."""
         return {
             "comparison.json": {"format": "weavecell comparison 2", **self.summary()},
-            "shots.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "shots.csv": self.to_csv(),
             "comparison.svg": None,
         }
 

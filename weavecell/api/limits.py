@@ -55,20 +55,6 @@ if TYPE_CHECKING:
     from weavecell.studies.limit_scan import ScanRange
     from weavecell.studies.pack_limit import PackV50
 
-# columns of shots.csv, in its order
-_CSV = (
-    "strike_velocity_m_s",
-    "outcome",
-    "residual_velocity_m_s",
-    "end_time_s",
-    "cut_yarns",
-    "peak_tension_warp_N",
-    "peak_tension_weft_N",
-    "energy_error_max",
-    "checks",
-)
-
-
 LOOK_OF: dict[str, dict[str, Any]] = {
     "perforated": {"color": RED, "mec": "white"},
     "stopped": {"mfc": "white", "mec": GREEN, "mew": 1.8},
@@ -340,7 +326,9 @@ def keep(ended: Sequence[Shot], problem: BaseException, panel: Target, folder: P
     if isinstance(problem, (UndecidedError, UnstableError)):
         problem.shots = tuple(shots)
     if folder is not None and (shots or not isinstance(problem, InputError)):
-        files.write(folder / "shots.csv", csv_of(shots))
+        kind = CriticalVelocityResult.kind
+        table = one_table.frame(one_table.columns(shots, kind), kind)
+        files.write(folder / "shots.csv", one_table.csv(table))
         panel.keep_input(folder)
 
 
@@ -365,6 +353,8 @@ class CriticalVelocityResult(StudyResult):
     >>> low < limit.critical_velocity < high
     True
     """
+
+    kind = "critical_velocity"
 
     target: Target
     limit: Limit
@@ -470,11 +460,13 @@ class CriticalVelocityResult(StudyResult):
     def summary(self) -> dict[str, Any]:
         """Return the entries of critical-velocity.json (docs/reference.md), but of the shots their
         number and the worst checks of all in words, and what is assumed."""
-        facts = one_table.facts(self, "critical_velocity")
-        return facts | {"checks": self.checks_text} | self._what_is_assumed()
+        return super().summary() | {"checks": self.checks_text}
+
+    def _items(self):
+        return self.shots
 
     def _columns(self):
-        columns = dict(table_of(self.shots))
+        columns = dict(super()._columns())
         if self.chosen:  # else the input says it
             yarns = "pinned" if self.target.setup.crossovers is None else "resolved"
             columns["yarns"] = [yarns] * len(self.shots)
@@ -488,15 +480,15 @@ class CriticalVelocityResult(StudyResult):
         """Return {file: what it holds}, as `StudyResult` does."""
         content = {
             "format": "weavecell critical velocity 4",
-            **one_table.facts(self, "critical_velocity"),
-            "shots": one_table.records(self.shots, "critical_velocity", "shots"),
+            **one_table.facts(self, self.kind),
+            "shots": one_table.records(self.shots, self.kind),
         }
         content |= checks.summary(self.checks)
         if self.assumed_range is not None:
             content["assumed_range"] = self.assumed_range.summary()
         return {
             "critical-velocity.json": content,
-            "shots.csv": csv_of(self.shots),
+            "shots.csv": self.to_csv(),
             "residual-velocity.svg": None,
         }
 
@@ -541,16 +533,6 @@ class CriticalVelocityResult(StudyResult):
         if self.critical_velocity is not None:
             lines += regression_line.remarks(self.target.setup, self.critical_velocity)
         return lines
-
-
-def table_of(shots: Sequence[Shot]) -> dict[str, list[Any]]:
-    """Return {name with unit: value of each shot}; "checks" is "ok", "noted" or "doubtful"."""
-    return one_table.columns(shots, "critical_velocity", "shots")
-
-
-def csv_of(shots: Sequence[Shot]) -> str:
-    """Write the content of shots.csv; of a search that did not end too."""
-    return one_table.csv(table_of(shots), "critical_velocity", "shots", _CSV)
 
 
 def plot_of(found: CriticalVelocityResult) -> Plot:

@@ -23,7 +23,7 @@ from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.result import Result
+from weavecell.api.result import Result, plain
 from weavecell.api.run_size import WorkSize
 from weavecell.results import out_folder, progress
 
@@ -159,7 +159,7 @@ def mesh(
     Examples
     --------
     >>> wc.mesh("S-720", mesh="coarse", domain="whole").summary()["hexahedra"]
-    '768'
+    768
     """
     fabric = resolve_fabric_for_3d(fabric)
     if patch is not None and domain is not None:
@@ -329,6 +329,8 @@ class MeshResult(Result):
     (378, 3)
     """
 
+    kind = "mesh"
+
     fabric: Fabric
     mesh: Any
     formats: tuple[str, ...] = ("msh", "vtu")
@@ -340,33 +342,45 @@ class MeshResult(Result):
             return "patch"
         return "crossover"
 
-    def summary(self) -> dict[str, Any]:
-        """Return the main figures of the mesh, as texts."""
-        mesh = self.mesh
+    @property
+    def domain(self) -> str:
+        """ "quarter", "whole" or "periodic", or the yarns of a patch."""
         if self.stem == "patch":
-            domain = "{} warp x {} weft yarns".format(*mesh.count)
-        else:
-            domain = mesh.domain
+            return "{} warp x {} weft yarns".format(*self.mesh.count)
+        return self.mesh.domain
+
+    @property
+    def fibre_bars(self) -> tuple[int, int]:
+        """Numbers of fibre bars of warp and weft."""
         bars = [0, 0]
-        for lines, family in zip(mesh.bars, mesh.families):
+        for lines, family in zip(self.mesh.bars, self.mesh.families):
             bars[family] += len(lines)
-        gap = 1e6 * mesh.least_gap
+        return bars[0], bars[1]
+
+    @property
+    def sections(self) -> str:
+        """Shape of the yarns' sections, and how they were fitted."""
+        return f"{self.mesh.sections[0].kind}: {self.mesh.section_fit.report}"
+
+    def _columns(self):
+        return {name: [value] for name, value in self.summary().items() if plain(value)}
+
+    def words(self) -> dict[str, str]:
+        """Return the main figures of the mesh, as texts."""
+        gap = 1e6 * self.mesh.least_gap
         distance = f"apart by at least {gap:.2f} um"
         if gap < 0:
             distance = f"overlap by up to {-gap:.2f} um"
         return {
-            "fabric": mesh.fabric,
-            "domain": domain,
-            "hexahedra": f"{len(mesh.hexes)}",
-            "nodes": f"{len(mesh.points)}",
-            "fibre bars": f"{bars[0]} / {bars[1]} (warp / weft)",
-            "worst scaled Jacobian": f"{mesh.min_scaled_jacobian:.3f}",
-            "sections": f"{mesh.sections[0].kind}: {mesh.section_fit.report}",
+            "fabric": self.mesh.fabric,
+            "domain": self.domain,
+            "hexahedra": f"{len(self.mesh.hexes)}",
+            "nodes": f"{len(self.mesh.points)}",
+            "fibre bars": "{} / {} (warp / weft)".format(*self.fibre_bars),
+            "worst scaled Jacobian": f"{self.mesh.min_scaled_jacobian:.3f}",
+            "sections": self.sections,
             "facets of the mesh": distance,
         }
-
-    def _columns(self):
-        return {"quantity": list(self.summary()), "value": list(self.summary().values())}
 
     def to_vtk(self, folder: FilePath) -> Path:
         """Write the mesh for ParaView, crossover.vtu or patch.vtu; returns its path."""
@@ -405,4 +419,4 @@ class MeshResult(Result):
             )
 
     def __str__(self) -> str:
-        return "\n".join(f"{key:<24}{value}" for key, value in self.summary().items())
+        return "\n".join(f"{key:<24}{value}" for key, value in self.words().items())

@@ -153,6 +153,8 @@ class PatchResult(DrawnResult):
     ('crossovers may be pinned for this nose', 51)
     """
 
+    kind = "patch"
+
     target: Target
     patch: SmallPatch
     struck: tuple[Struck, ...]
@@ -183,14 +185,7 @@ class PatchResult(DrawnResult):
 
     def summary(self) -> dict[str, Any]:
         """Return the answer, and of each model what it came to."""
-        found: dict[str, Any] = {
-            "answer": self.answer,
-            "compared_until_s": self.until,
-            "struck": self.patch.place,
-            "crossings": self.patch.crossings,
-            "bricks": self.patch.bricks,
-            "friction_between_yarns": self.patch.friction,
-        }
+        found = super().summary()
         for one in self.struck:
             found[f"{one.model}_velocity_m_s"] = one.velocity(self.until)
             if isfinite(one.first_failure):
@@ -225,7 +220,7 @@ class PatchResult(DrawnResult):
         """Return {file: what it holds} that stands at the top of the module."""
         return {
             "patch.json": {"format": "weavecell patch 1", **self.summary()},
-            "patch.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "patch.csv": self.to_csv(),
             "patch.svg": None,
         }
 

@@ -4,6 +4,7 @@ projectile.
 The folder of `weavecell reduce compression`
     compression.json     K'', n and the room left of each pack, a and b, the gap between plies, with
                          intervals, provenance
+    packs.csv            the laws of each record, n free and n = 3
     platen-curve.csv     one ply without the rig, for `weavecell calibrate --platen-curve`
     fabric-keys.toml     what of it a fabric file takes
     compression.svg      records and fitted laws
@@ -39,7 +40,10 @@ if TYPE_CHECKING:
     from weavecell.studies.compression_records import Estimate, PressureLaw
     from weavecell.studies.displacement_record import Motion
 
-OF_COMPRESSION = ("compression.json", "platen-curve.csv", "fabric-keys.toml", "compression.svg")
+OF_COMPRESSION = (
+    *("compression.json", "packs.csv", "platen-curve.csv", "fabric-keys.toml"),
+    "compression.svg",
+)
 OF_SHOT = ("shot.json", "motion.csv", "motion.svg")
 
 
@@ -157,6 +161,8 @@ class CompressionRecords(DrawnResult):
     0.153...
     """
 
+    kind = "compression"
+
     free: tuple[PressureLaw, ...]
     cubic: tuple[PressureLaw, ...]
     gaps: dict[int, Estimate]
@@ -185,14 +191,8 @@ class CompressionRecords(DrawnResult):
             numbers[f"gap_of_{plies}_plies_interval_m"] = [gap.low, gap.high]
         return numbers
 
-    def _columns(self):
-        columns: dict[str, list[float]] = {"plies": [law.plies for law in self.free]}
-        for name, laws in (("free", self.free), ("n = 3", self.cubic)):
-            columns[f"n, {name}"] = [law.exponent for law in laws]
-            columns[f"K, {name}_Pa_m^n"] = [law.stiffness for law in laws]
-            columns[f"room left at the first load, {name}_m"] = [law.full for law in laws]
-            columns[f"rms, {name}_m"] = [law.rms for law in laws]
-        return columns
+    def _items(self):
+        return list(zip(self.free, self.cubic))
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw closure [um] against pressure [MPa]: records and fitted laws."""
@@ -202,15 +202,11 @@ class CompressionRecords(DrawnResult):
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds} that stands at the top of the module."""
-        rows = {key: [float(value) for value in values] for key, values in self._columns().items()}
         pressure, closed = self.free[0].curve()
         curve = "".join(f"{1e-6 * P:.6g}, {1e6 * d:.6g}\n" for P, d in zip(pressure, closed))
         return {
-            "compression.json": {
-                "format": "weavecell compression 1",
-                **self.summary(),
-                "packs": rows,
-            },
+            "compression.json": {"format": "weavecell compression 2", **self.summary()},
+            "packs.csv": self.to_csv(),
             "platen-curve.csv": f"# {self.record}, smoothed by its law\npressure [MPa], closure [um]\n{curve}",
             "fabric-keys.toml": self._keys(),
             "compression.svg": None,
@@ -363,42 +359,14 @@ class ShotRecord(DrawnResult):
     (100, 9.53)
     """
 
+    kind = "shot"
+
     motion: Motion
     record: str
     computed: dict[str, Any] | None = None
 
-    def summary(self) -> dict[str, Any]:
-        """Return first and last velocity, absorbed energy and greatest force, with half widths of
-        95 %."""
-        motion = self.motion
-        most = int(motion.force.argmax())
-        energy = motion.energy
-        return {
-            "first_velocity_m_s": float(motion.velocity[0]),
-            "first_velocity_error_m_s": float(motion.velocity_error[0]),
-            "last_velocity_m_s": float(motion.velocity[-1]),
-            "last_velocity_error_m_s": float(motion.velocity_error[-1]),
-            "absorbed_energy_J": float(energy[0] - energy[-1]),
-            "absorbed_energy_error_J": float(sum(motion.energy_error[[0, -1]] ** 2) ** 0.5),
-            "greatest_force_N": float(motion.force[most]),
-            "greatest_force_error_N": float(motion.force_error[most]),
-            "noise_m": motion.noise,
-            "bandwidth_Hz": motion.bandwidth,
-            "bandwidth_by": motion.chosen,
-        }
-
-    def _columns(self):
-        motion = self.motion
-        return {
-            "time_s": motion.time,
-            "displacement_m": motion.displacement,
-            "velocity_m_s": motion.velocity,
-            "velocity_error_m_s": motion.velocity_error,
-            "energy_J": motion.energy,
-            "energy_error_J": motion.energy_error,
-            "force_N": motion.force,
-            "force_error_N": motion.force_error,
-        }
+    def _items(self):
+        return self.motion
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw velocity [m/s] and force [kN] in time, with their errors."""
@@ -412,7 +380,7 @@ class ShotRecord(DrawnResult):
         """Return {file: what it holds} that stands at the top of the module."""
         return {
             "shot.json": {"format": "weavecell record of a shot 1", **self.summary()},
-            "motion.csv": self.to_dataframe().to_csv(index=False, float_format="%.6g"),
+            "motion.csv": self.to_csv(),
             "motion.svg": None,
         }
 

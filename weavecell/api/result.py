@@ -13,7 +13,8 @@ from fabrics.base.door import in_terminal
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
 from weavecell.api.user_warnings import warn_user
-from weavecell.results import display, glossary, keys
+from weavecell.results import display, glossary, keys, one_table
+from weavecell.results.keys import Key
 from weavecell.results.left_out import LeftOut, lines_of
 
 if TYPE_CHECKING:
@@ -26,8 +27,9 @@ _LONGEST = 200  # characters of a repr
 
 
 class Result:
-    """What every result offers; a derived class gives `summary`, `_columns` and, if it has them,
-    the others.
+    """What every result offers. A derived class names its table of results/keys.toml, from which
+    summary, table and CSV file are read off, and gives `_items`, whose columns these are; or it has
+    `summary` and `_columns` itself.
 
     Examples
     --------
@@ -36,9 +38,8 @@ class Result:
     (True, False, 'ok')
     """
 
-    _tables: ClassVar[
-        tuple[str, ...]
-    ] = ()  # of results/keys.toml, with the meaning of what the summary has
+    # table of results/keys.toml that says what it has
+    kind: ClassVar[str] = ""
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -111,17 +112,23 @@ class Result:
 
     def summary(self) -> dict[str, Any]:
         """Return {name with unit: value} of the result; the checks in words."""
+        return one_table.facts(self, self.kind) | self._what_is_assumed()
+
+    def _items(self) -> Any:
+        """What the table has a row for each of: a sequence of objects, or one object with arrays."""
         raise NotImplementedError
 
     def _columns(self) -> Mapping[str, Any]:
         """{name with unit: (n,)} of the table."""
-        raise NotImplementedError
+        return one_table.columns(self._items(), self.kind)
 
     def to_dataframe(self) -> DataFrame:
         """Return the result as a pandas.DataFrame; names of the columns end in their SI unit."""
-        from pandas import DataFrame
+        return one_table.frame(self._columns(), self.kind)
 
-        return DataFrame(dict(self._columns()))
+    def to_csv(self) -> str:
+        """Return the table of `to_dataframe` as CSV, with all digits."""
+        return one_table.csv(self.to_dataframe())
 
     def __repr__(self) -> str:
         parts = [str(self).partition("\n")[0].rstrip(".")]
@@ -143,7 +150,7 @@ class Result:
         """The table that a notebook shows: what the summary has, with labels and units."""
         from pandas import DataFrame
 
-        known = {key.name: key for key in keys.table(*self._tables)}
+        known = {key.name: key for key in self._keys_of_summary()}
         rows = []
         for name, value in self.summary().items():
             key = known.get(name) or keys.infer_key(name)
@@ -153,6 +160,10 @@ class Result:
             elif plain(value) and value not in (None, ""):
                 rows.append((key.label, value))
         return DataFrame(rows, columns=["quantity", "value"])
+
+    def _keys_of_summary(self) -> tuple[Key, ...]:
+        """The keys that say what the numbers of `summary` are."""
+        return keys.TABLES.get(self.kind, ())
 
     def _labelled_columns(self, *names: str) -> DataFrame:
         """The columns of `to_dataframe` with these names, or all, with labels and units."""

@@ -97,7 +97,14 @@ class SavedResult(Result):
         """Read the JSON file of a name and all tables of a folder."""
         from weavecell.results.result_folder import KINDS
 
-        return cls(found.folder, name, found.read_json(name), found.read_tables(), KINDS[name])
+        return cls(found.folder, name, found.read_json(name), found.read_tables(), KINDS[name].csv)
+
+    @property
+    def kind(self) -> str:  # type: ignore[override]
+        """Table of results/keys.toml that says what it has."""
+        from weavecell.results.result_folder import KINDS
+
+        return KINDS[self.name].table
 
     @property
     def report(self) -> Path | None:
@@ -112,13 +119,6 @@ class SavedResult(Result):
         return {key: value for key, value in self.content.items() if plain(value)}
 
     def _columns(self):
-        from weavecell.results import one_table
-
-        # as the live result has them, where a table of keys.toml says what its file holds
-        table = Path(self.name).stem.replace("-", "_")
-        rows = one_table.find_list(table)
-        if rows is not None and isinstance(self.content.get(rows), list):
-            return one_table.columns_of_records(self.content[rows], table, rows)
         if self.main in self.tables:
             return self.tables[self.main]
         return {key: [value] for key, value in self.summary().items()}
@@ -159,7 +159,7 @@ def overlay(*results: Any) -> Figure:
     tables = {}
     for number, result in enumerate(results, 1):
         table = result.to_dataframe()
-        strike, residual = (_column(table, f"{word} velocity") for word in ("strike", "residual"))
+        strike, residual = (table.get(f"{word}_velocity_m_s") for word in ("strike", "residual"))
         if strike is None or residual is None:
             allowed = (
                 "shots, or results with strike and residual velocities, such as limits and V50"
@@ -178,12 +178,3 @@ def _name_of(result, number):
     folder = getattr(result, "folder", None) or getattr(result, "read_from", None)
     title = Path(folder).name if folder else getattr(result, "title", type(result).__name__)
     return f"{number}: {title}"
-
-
-def _column(table, words):
-    """The column of a table whose name begins with these words, in either way of writing; None
-    without one."""
-    for name in () if table is None else table:
-        if str(name).replace("_", " ").startswith(words):
-            return table[name]
-    return None

@@ -281,6 +281,8 @@ class V50Result(StudyResult):
     True
     """
 
+    kind = "v50"
+
     study: Study
     target: Target
     seed: int
@@ -315,25 +317,13 @@ class V50Result(StudyResult):
         chosen = {"chosen": self.chosen} if self.chosen else {}
         return chosen | self.study.summary() | self._what_is_assumed()
 
+    def _items(self):
+        return self.study.shots
+
     def _columns(self):
-        shots = self.study.shots
-        units = {"velocity": "strike_velocity_m_s", "residual": "residual_velocity_m_s"}
-        names = (
-            "number",
-            "velocity",
-            "residual",
-            "perforated",
-            "modulus",
-            "crimp_warp",
-            "crimp_weft",
-            "balance",
-        )
-        columns = {units.get(name, name): [getattr(shot, name) for shot in shots] for name in names}
-        for family, name in enumerate(("warp", "weft")):
-            columns[f"weakest_{name}"] = [shot.weakest[family] for shot in shots]
-        if self.target.setup.crossovers is not None:  # resolved yarns, whose aims are drawn
-            for axis, name in enumerate("xy"):
-                columns[f"impact_point_{name}_m"] = [shot.impact_point[axis] for shot in shots]
+        columns = dict(super()._columns())
+        if self.target.setup.crossovers is None:  # only those of resolved yarns are drawn
+            del columns["impact_point_x_m"], columns["impact_point_y_m"]
         return columns
 
     @property
@@ -451,10 +441,6 @@ class V50Result(StudyResult):
         from weavecell.studies import inputs
 
         study = self.study
-        shots = self.to_dataframe()
-        shots.insert(
-            2, "outcome", ["perforated" if hit else "stopped" for hit in shots.pop("perforated")]
-        )
         curves = {}
         for link, curve in study.curves.items():
             curves[link] = asdict(curve) | {"V0": curve.V0, "V100": curve.V100}
@@ -483,7 +469,7 @@ class V50Result(StudyResult):
         return {
             "v50.json": content,
             "v50.csv": self.table().to_csv(index=False, float_format="%.6g"),
-            "shots.csv": shots.to_csv(index=False, float_format="%.8g"),
+            "shots.csv": self.to_csv(),
             "v50.png": None,
         }
 

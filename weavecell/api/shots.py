@@ -493,7 +493,7 @@ class ShotResult(ImpactRecord, Result):
     pair: Discretisation | None = None
     read_from: Path | None = None
     chosen: str = ""
-    _tables = "run", "impact", *keys.OF_SOME.values(), "failure", "stacking"
+    kind = "impact"
 
     @classmethod
     def read_folder(cls, folder: Path, target: Target) -> ShotResult:
@@ -563,6 +563,9 @@ class ShotResult(ImpactRecord, Result):
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
         return known | self._what_is_assumed()
+
+    def _keys_of_summary(self):
+        return keys.table("run", self.kind, *keys.OF_SOME.values(), "failure", "stacking")
 
     def __repr__(self) -> str:
         laws = self._list_assumed_laws()

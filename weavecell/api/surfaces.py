@@ -2,6 +2,7 @@
 
 The folder of `weavecell surface`
     surface.h5      T1, T2, F_c, h1, h2 over (d1, d2) (`fabrics.surface`)
+    surface.csv     the same as a table, one row a sample
     surface.json    settings, estimated errors, comparison with the unit cell, times, provenance
     pictures/       surfaces, contours, slices beside the unit cell, energy over both strains, what
                     the interpolant misses
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
+from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import RunCache
@@ -50,7 +52,7 @@ SHOWN = {
 }
 
 
-NAMES = ("surface.h5", "surface.json", "pictures/*", "report.html")
+NAMES = ("surface.h5", "surface.csv", "surface.json", "pictures/*", "report.html")
 
 
 @dataclass(frozen=True)
@@ -297,6 +299,7 @@ class SurfaceResult(Result):
         folder = Path(out)
         stamp = provenance.stamp("", self.fabric)
         self.surface.write(folder / "surface.h5")
+        files.write(folder / "surface.csv", self.to_csv())
         json_file.write(folder / "surface.json", self.summary() | {"provenance": stamp})
         section = self._section()
         page.write_pictures([section], folder / "pictures")

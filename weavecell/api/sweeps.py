@@ -444,6 +444,8 @@ class SweepTable(StudyResult):
     2
     """
 
+    kind = "sweep"
+
     quantity: str
     keys: tuple[str, ...]
     rows: tuple[dict[str, Any], ...]
@@ -567,7 +569,7 @@ class SweepTable(StudyResult):
         content = {"quantity": self.quantity, "rows": self.rows}
         return {
             "sweep.json": content,
-            "sweep.csv": self.to_dataframe().to_csv(index=False),
+            "sweep.csv": self.to_csv(),
             "sweep.png": None,
         }
 

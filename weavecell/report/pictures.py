@@ -290,7 +290,7 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
     comparison : weavecell.studies.laboratory_tests.Comparison; None of tests alone
     """
     table = tests.table
-    strike = tests.table["velocity [m/s]"]
+    strike = tests.table["strike_velocity_m_s"]
     curve = tests.curve
     if curve.reason:
         velocities = [*strike]
@@ -315,9 +315,7 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
         if not fit.reason:
             axes.plot(*fit.sample(high), color=color, lw=1.2, label=words)
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
-        residual = (
-            table["tested residual velocity [m/s]"].where(table["tested"] == outcome).dropna()
-        )
+        residual = table["tested_residual_velocity_m_s"].where(table["tested"] == outcome).dropna()
         axes.plot(
             strike[residual.index],
             residual,
@@ -328,7 +326,7 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
             label=f"test, {outcome}",
         )
     if comparison is not None:
-        computed = comparison.table["computed residual velocity [m/s]"]
+        computed = comparison.table["computed_residual_velocity_m_s"]
         axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     legend_beside(axes, labelspacing=0.9)
     return figure

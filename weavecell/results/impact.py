@@ -18,6 +18,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, field, fields
+from fnmatch import fnmatchcase
+from functools import partial
 from itertools import groupby
 from math import degrees
 from typing import TYPE_CHECKING, Any, Self
@@ -403,9 +405,11 @@ class ImpactRecord(ImpactData):
             ("ply_", "ply_histories", self.plies),
         ):
             known = {key.name: key for key in TABLES[table]}
-            for name, history in held.items():
+            # a file has its names in another order than a run
+            for name in sorted(held, key=partial(_place_in, tuple(known))):
                 # a force on a ply of one's own has an energy that no table names
-                add(prefix, known.get(name, keys.Key(name, "J", name.replace("_", " "))), history)
+                key = known.get(name, keys.Key(name, "J", name.replace("_", " ")))
+                add(prefix, key, held[name])
         return Record(columns, meanings, self.facts())
 
     def to_xarray(self) -> Dataset:
@@ -602,3 +606,9 @@ def _half_energy(result, final):
     if nearest is None:
         return final
     return tuple(map(Shape.from_snapshot, nearest))
+
+
+def _place_in(known, name):
+    """Where a name stands among those of a table, which may have a *: its number, and itself."""
+    places = (number for number, one in enumerate(known) if fnmatchcase(name, one))
+    return next(places, len(known)), name

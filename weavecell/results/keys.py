@@ -31,8 +31,6 @@ class Key(NamedTuple):
         %; "wall s" of the time that a computer took; "" of what is no number
     path : where an object holds it, its name if not given: attributes, keys of dicts and indices
         with dots between them
-    form : format of the value in a CSV file
-    csv : heading there without the unit; the name in words if not given
     parts : names of the parts of a pair, which are columns of their own in tables
     of : table that has its meaning
     optional : whether it is absent where it is empty
@@ -42,8 +40,6 @@ class Key(NamedTuple):
     unit: str
     meaning: str
     path: str = ""
-    form: str = ""
-    csv: str = ""
     parts: tuple[str, ...] = ()
     of: str = ""
     optional: bool = False
@@ -140,16 +136,21 @@ def table(*names: str) -> tuple[Key, ...]:
 
 
 SHARED = table("run", "folder")
+# tables of the kinds of results that are no impact: each has a JSON file and, but for a mesh, a table
+OF_KINDS = (
+    *("critical_velocity", "v50", "difference", "sweep", "tests", "comparison", "patch"),
+    *("compression", "shot", "coupon", "biaxial", "law", "surface", "case", "mesh"),
+)
 # what a test on a coupon prescribes and measures: the columns of its record
 COUPON_MEASURES = {key.name: key for key in table("coupon_measures")}
 IMPACT = table("impact", *OF_SOME.values(), "failure", "stacking", "impact_folder")
 
 
-# numbers of summaries and of tables of shots without an SI unit, by name
-_UNITS = {
-    key.name.removeprefix("shots."): key.unit
-    for key in table("run", *OF_SOME.values(), "failure", "critical_velocity", "impact")
-}
+# units of numbers of summaries and columns of tables, by name; of an impact before other results
+_UNITS: dict[str, str] = {}
+for _name in ("impact", *OF_SOME.values(), "failure", "run", *OF_KINDS):
+    for _key in TABLES[_name]:
+        _UNITS.setdefault(_key.name.removeprefix("rows."), _key.unit)
 
 
 def infer_key(name: str) -> Key:

@@ -12,13 +12,13 @@ import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import parse_toml, read_bytes
-from weavecell.results import file_list, out_folder
+from weavecell.results import file_list, one_table, out_folder
 from weavecell.results.file_list import FileList
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.scenes import kept_files
@@ -32,22 +32,38 @@ HISTORIES = "histories.h5"
 NUMBERS = ("*.h5", "*.json", "*.csv", *out_folder.INPUT)
 # the shapes of all instants
 SERIES = ("*.pvd", "*/*.vtu", "*.vtu")
-# {JSON file of a kind of result: its table}; a folder has the first that is there
+
+
+class Kind(NamedTuple):
+    """A kind of result.
+
+    Parameters
+    ----------
+    table : of keys.toml, that says what it has
+    csv : name of its table; "" of one whose table is its summary
+    """
+
+    table: str
+    csv: str
+
+
+# {JSON file: kind of result}; a folder has the first that is there
 KINDS = {
-    "difference.json": "difference.csv",
-    "comparison.json": "shots.csv",
-    "critical-velocity.json": "shots.csv",
-    "v50.json": "shots.csv",
-    "sweep.json": "sweep.csv",
-    "tests.json": "shots.csv",
-    "compression.json": "platen-curve.csv",
-    "shot.json": "motion.csv",
-    "biaxial.json": "",
-    "law.json": "",
-    "surface.json": "",
-    "case.json": "",
-    "mesh.json": "",
-    "summary.json": "",
+    "difference.json": Kind("difference", "difference.csv"),
+    "comparison.json": Kind("comparison", "shots.csv"),
+    "critical-velocity.json": Kind("critical_velocity", "shots.csv"),
+    "v50.json": Kind("v50", "shots.csv"),
+    "sweep.json": Kind("sweep", "sweep.csv"),
+    "tests.json": Kind("tests", "shots.csv"),
+    "compression.json": Kind("compression", "packs.csv"),
+    "shot.json": Kind("shot", "motion.csv"),
+    "biaxial.json": Kind("biaxial", "biaxial.csv"),
+    "law.json": Kind("law", "paths.csv"),
+    "surface.json": Kind("surface", "surface.csv"),
+    "case.json": Kind("case", "case.csv"),
+    "patch.json": Kind("patch", "patch.csv"),
+    "mesh.json": Kind("mesh", ""),
+    "summary.json": Kind("coupon", "coupon.csv"),
 }
 WITHOUT_LIST = f"has no {file_list.NAME}: whether its files were changed cannot be told"
 
@@ -98,8 +114,13 @@ class ResultFolder:
             raise InputError("is no table", file=path, allowed=allowed)
         return content
 
-    def read_tables(self) -> dict[str, DataFrame]:
-        """Read all CSV files: {name: table}.
+    def read_table(self, name: str, table: str = "") -> DataFrame:
+        """Read a CSV file, that of a kind of result with all its digits.
+
+        Parameters
+        ----------
+        name : of the file
+        table : of keys.toml, whose columns it has; "" of another file
 
         Raises
         ------
@@ -108,12 +129,28 @@ class ResultFolder:
         from pandas import read_csv
         from pandas.errors import EmptyDataError, ParserError
 
+        path = self.folder / name
+        try:
+            if table:
+                return one_table.read_csv(path, table)
+            return read_csv(path, comment="#")
+        except (EmptyDataError, ParserError, UnicodeDecodeError, OSError) as problem:
+            raise InputError(f"is not a readable table ({problem})", file=path) from problem
+
+    def read_tables(self) -> dict[str, DataFrame]:
+        """Read all CSV files: {name: table}.
+
+        Raises
+        ------
+        InputError : one that cannot be read
+        """
+        name = self.find_kind()
+        of_kind = {}
+        if name is not None:
+            of_kind = {KINDS[name].csv: KINDS[name].table}
         tables = {}
         for path in sorted(self.folder.glob("*.csv")):
-            try:
-                tables[path.name] = read_csv(path, comment="#")
-            except (EmptyDataError, ParserError, UnicodeDecodeError, OSError) as problem:
-                raise InputError(f"is not a readable table ({problem})", file=path) from problem
+            tables[path.name] = self.read_table(path.name, of_kind.get(path.name, ""))
         return tables
 
     def read_impact(self, kind: type[ImpactRecord] = ImpactRecord) -> ImpactRecord:

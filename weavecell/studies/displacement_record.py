@@ -81,6 +81,21 @@ class Motion:
         """(n,) [J] half width of 95 %."""
         return self.mass * abs(self.velocity) * self.velocity_error
 
+    @property
+    def absorbed_energy(self) -> float:
+        """[J] lost from the first to the last instant."""
+        return float(self.energy[0] - self.energy[-1])
+
+    @property
+    def absorbed_energy_error(self) -> float:
+        """[J] half width of 95 %, of both ends together."""
+        return float(np.hypot(*self.energy_error[[0, -1]]))
+
+    @property
+    def greatest_force_error(self) -> float:
+        """[N] half width of 95 % where the force is greatest."""
+        return float(self.force_error[int(self.force.argmax())])
+
 
 def read(path: FilePath) -> tuple[FloatArray, FloatArray]:
     """Read a CSV with the columns time and displacement: (n,) [s], (n,) [m].

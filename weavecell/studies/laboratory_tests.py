@@ -146,7 +146,7 @@ class ReducedTests:
         found = {"s": (curve.s, *curve.intervals["s"])}
         perforated = self.table["tested"] == "perforated"
         shares = SHARES.values()
-        ends = probit.band(self.table["velocity [m/s]"], perforated, curve, shares)
+        ends = probit.band(self.table["strike_velocity_m_s"], perforated, curve, shares)
         for (name, share), (low, high) in zip(SHARES.items(), ends.tolist()):
             value = max(float(curve.velocity(share)), 0.0)
             found[name] = (value, min(low, value), max(high, value))
@@ -184,12 +184,12 @@ def reduce(tests: DataFrame) -> ReducedTests:
     """Compute the statistics of tests that `read` returns."""
     table = tests.rename(
         columns={
-            VELOCITY: "velocity [m/s]",
+            VELOCITY: "strike_velocity_m_s",
             OUTCOME: "tested",
-            RESIDUAL: "tested residual velocity [m/s]",
+            RESIDUAL: "tested_residual_velocity_m_s",
         }
     )
-    velocities = table["velocity [m/s]"]
+    velocities = table["strike_velocity_m_s"]
     perforated = table["tested"] == "perforated"
     curve = probit.fit(velocities, perforated, confidence=CONFIDENCE)
     six_shots = protocol.six_shots(velocities, perforated)
@@ -229,7 +229,7 @@ class Comparison:
         """
         tests = self.table[self.table["tested"] == "perforated"]
         off = (
-            (tests["computed residual velocity [m/s]"] - tests["tested residual velocity [m/s]"])
+            (tests["computed_residual_velocity_m_s"] - tests["tested_residual_velocity_m_s"])
             .dropna()
             .to_numpy()
         )
@@ -272,7 +272,7 @@ def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison
     reduced = reduce(tests)
     columns = {
         "computed": [shot.outcome for shot in shots],
-        "computed residual velocity [m/s]": [shot.residual_velocity for shot in shots],
+        "computed_residual_velocity_m_s": [shot.residual_velocity for shot in shots],
         "checks": [status(shot.checks) for shot in shots],
     }
     table = reduced.table.assign(**columns)
@@ -283,6 +283,6 @@ def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison
 def _fit(table, kind, limit):
     """Lambert-Jonas fit to tested or computed shots: stops, and perforations of which the residual
     velocity is known."""
-    shots = table.dropna(subset=[f"{kind} residual velocity [m/s]"])
-    residual = shots[f"{kind} residual velocity [m/s]"].where(shots[kind] == "perforated", 0.0)
-    return lambert_jonas.fit(shots["velocity [m/s]"], residual, limit=limit)
+    shots = table.dropna(subset=[f"{kind}_residual_velocity_m_s"])
+    residual = shots[f"{kind}_residual_velocity_m_s"].where(shots[kind] == "perforated", 0.0)
+    return lambert_jonas.fit(shots["strike_velocity_m_s"], residual, limit=limit)

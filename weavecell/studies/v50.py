@@ -31,6 +31,7 @@ from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.membrane.indicator import OK
 from weavecell.studies import (
     assumed_range,
     ballistic_limit,
@@ -93,6 +94,18 @@ class Shot:
     balance: float
     doubtful: tuple[str, ...] = ()
     failure: str = ""
+
+    @property
+    def outcome(self) -> str:
+        """ "perforated" or "stopped"."""
+        return "perforated" if self.perforated else "stopped"
+
+    @property
+    def checks(self) -> str:
+        """ "ok", or which of its quality checks are beyond their limits."""
+        if not self.doubtful:
+            return OK
+        return f"doubtful: {', '.join(self.doubtful)}"
 
 
 @dataclass(frozen=True)

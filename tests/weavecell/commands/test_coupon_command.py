@@ -7,9 +7,9 @@ from unittest import mock
 import h5py
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 import weavecell
+import weavecell as wc
 from tests.scene_text import datasets, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, table_of
@@ -58,15 +58,13 @@ def test_resume_leaves_a_finished_run(succeed, results, tmp_path):
 def test_the_table_of_a_pull_out_is_its_histories(results):
     """And what the crossovers take is their threshold times the yarn that has passed through them."""
     folder = results("pull-out").folder
-    head, *rows = (folder / "load.csv").read_text().splitlines()
-    names = [name.partition(" [")[0] for name in head.split(",")]
-    values = dict(
-        zip(names, np.array([[float(part) for part in row.split(",")] for row in rows]).T)
-    )
+    table = wc.load(folder).to_dataframe()
     with h5py.File(folder / "histories.h5") as file:
-        assert set(names) == set(file["histories"])
-        for name, column in values.items():
-            assert_allclose(file[f"histories/{name}"][()], column, rtol=1e-8)
+        values = {name: values[()] for name, values in file["histories"].items()}
+    assert len(table.columns) == len(values)
+    for name, history in values.items():
+        (column,) = (c for c in table if c.startswith(name.replace(" ", "_")))
+        np.testing.assert_array_equal(table[column], history)
     still = (values["displacement of the crosshead"] > 0.3e-3) & (values["crossovers left"] == 0)
     passed, taken = (
         np.ptp(values[name][still])

@@ -188,10 +188,7 @@ TABLES = {  # run: its table of shots, and what a column is in the list of shots
     "critical-velocity": (
         "shots.csv",
         "shots",
-        {
-            "strike velocity [m/s]": "strike_velocity_m_s",
-            "residual velocity [m/s]": "residual_velocity_m_s",
-        },
+        {key: key for key in ("strike_velocity_m_s", "residual_velocity_m_s", "outcome")},
     ),
     "sweep": (
         "sweep.csv",

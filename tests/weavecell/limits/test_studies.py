@@ -211,7 +211,7 @@ def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):
     assert [row["tested"] for row in shots] == ["stopped", "perforated", "perforated"]
     assert told["outcomes_that_agree"] == sum(row["tested"] == row["computed"] for row in shots)
     off = [
-        float(row["computed residual velocity [m/s]"]) - v for row, v in zip(shots[1:], (100, 120))
+        float(row["computed_residual_velocity_m_s"]) - v for row, v in zip(shots[1:], (100, 120))
     ]
     assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
     assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out

@@ -187,10 +187,10 @@ def test_a_limit(single):
 def shots_beside_tests(pyplot):
     table = pd.DataFrame(
         {
-            "velocity [m/s]": [70.0, 95.0, 110.0],
+            "strike_velocity_m_s": [70.0, 95.0, 110.0],
             "tested": ["stopped", "perforated", "perforated"],
-            "tested residual velocity [m/s]": [0.0, 31.0, 64.0],
-            "computed residual velocity [m/s]": [3.0, 27.0, 66.0],
+            "tested_residual_velocity_m_s": [0.0, 31.0, 64.0],
+            "computed_residual_velocity_m_s": [3.0, 27.0, 66.0],
         }
     )
     curve = Given(reason="", V50=84.0, intervals={"V50": (79.0, 88.0)})

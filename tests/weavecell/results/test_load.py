@@ -1,6 +1,8 @@
 """Results of an earlier run are opened again by `load`, and drawn in one picture by `overlay`."""
 
-import json
+import shutil
+from fnmatch import fnmatch
+from pathlib import Path
 
 import numpy as np
 import pandas.testing
@@ -8,7 +10,10 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from weavecell.results.result_folder import KINDS
+from tests.weavecell.golden_texts import cases
+from tests.weavecell.session_runs import small_calibration
+from weavecell.report import installed
+from weavecell.results import keys, one_table
 
 SHORT = {"opening": "20 mm", "end_time": "10 us"}
 
@@ -56,36 +61,128 @@ def test_shots_in_one_picture(shots):
     np.testing.assert_allclose(axes[1].lines[0].get_ydata(), 1e3 * first.deflection)
 
 
-@pytest.mark.parametrize("name", [name for name in KINDS if name != "summary.json"])
-def test_any_other_folder_has_numbers_and_tables(tmp_path, name):
-    (tmp_path / name).write_text(json.dumps({"format": "weavecell x 1", "speed_m_s": 97.5}))
-    if KINDS[name]:
-        table = "strike velocity [m/s],residual velocity [m/s]\n90,0\n130,60.5\n"
-        (tmp_path / KINDS[name]).write_text(table)
-    found = wc.load(tmp_path)
-    assert found.summary()["speed_m_s"] == 97.5
-    assert f"speed_m_s: {97.5}" in str(found)
-    assert found.report is None
-    if KINDS[name]:
-        assert list(found.to_dataframe()["residual velocity [m/s]"]) == [0.0, 60.5]
-        axis = wc.overlay(found, found).axes[0]
-        np.testing.assert_array_equal(axis.lines[1].get_ydata(), [0.0, 60.5])
-    else:
-        with pytest.raises(InputError, match="must be shots, or results with strike"):
-            wc.overlay(found)
+TESTS = (
+    "velocity [m/s], outcome, residual velocity [m/s]\n90, PP,\n124, CP, 31\n105, CP,\n112, PP,\n"
+)
+SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
+OVER = {"panel.opening": ["40 mm", "0.05 m"], "panel.plies": [1, 2]}
+# {kind of result: how to make it}; shots of studies are invented
+MADE = {
+    "impact": lambda out: wc.impact("S-720", "150 m/s", **SHORT, out=out),
+    "critical_velocity": lambda out: wc.critical_velocity(
+        "S-720", residual_shots=1, **SMALL, out=out
+    ),
+    "critical_velocity of a pack": lambda out: wc.critical_velocity(
+        "S-728", plies=2, **SMALL, out=out
+    ),
+    "v50": lambda out: wc.v50("S-728", shots=8, batch=4, **SMALL, out=out),
+    "difference": lambda out: wc.compare("S-720", "S-728", shots=6, **SMALL, out=out),
+    "sweep": lambda out: wc.sweep(
+        "S-720", over=OVER, quantity="critical-velocity", one_at_a_time=True, out=out
+    ),
+    "tests": lambda out: wc.reduce_tests("tests.csv", out=out),
+    "comparison": lambda out: wc.reduce_tests("tests.csv", "S-720", **SMALL, out=out),
+    "patch": lambda out: wc.patch("S-720", "150 m/s", duration="4 us", out=out),
+    "compression": lambda out: wc.reduce_compression("ply.csv", platen_area="361 mm^2", out=out),
+    "shot": lambda out: wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz", out=out),
+    "coupon": lambda out: wc.coupon(
+        "S-720", "picture_frame", shear_angle="4 deg", crossovers=2, steps=2, out=out
+    ),
+    "coupon, pull-out": lambda out: wc.coupon(
+        "S-726",
+        "pull_out",
+        crossings=10,
+        displacement="1.2 mm",
+        crossover_cohesion="0.5 N",
+        out=out,
+    ),
+    "biaxial": lambda out: wc.biaxial("S-731", ratio=["1:0", "1:2"], out=out),
+    "mesh": lambda out: wc.mesh("S-720", mesh="coarse", out=out),
+}
+# of all files, and of results that have a range or a provenance
+SHARED = {"format", "provenance", "assumed", "assumed_range", "left_out", "checks"}
 
 
-def test_a_loaded_search_has_the_table_of_the_live_one(tmp_path):
-    """Names, values to the last digit, and one line a column."""
-    quick = {"scan": False, "residual_shots": 1, "opening": "50 mm", "tolerance": "25 m/s"}
-    limit = wc.critical_velocity("S-720", out=tmp_path / "limit", **quick)
-    live = limit.to_dataframe()
-    assert {"outcome", "peak_tension_warp_N", "peak_tension_weft_N"} <= set(live)
-    assert not any("\n" in name for name in live)
-    pandas.testing.assert_frame_equal(wc.load(tmp_path / "limit").to_dataframe(), live)
-    pandas.testing.assert_frame_equal(
-        wc.load(tmp_path / "limit")._labelled_columns(), limit._labelled_columns()
+@pytest.mark.parametrize("name", MADE)
+def test_a_loaded_result_has_the_table_of_the_live_one(name, tmp_path, monkeypatch):
+    """Names, values to the last digit; and each key of its JSON file and each column is declared."""
+    if name == "mesh":
+        pytest.importorskip("gmsh")
+    monkeypatch.chdir(tmp_path)
+    # pages have their own tests
+    monkeypatch.setattr(installed, "can_draw", lambda: False)
+    force = np.geomspace(10, 7000, 40)
+    closed = 0.33 * (10 ** (-1 / 3) - force ** (-1 / 3))
+    write_columns("ply.csv", "force [N], displacement [mm]", force, closed)
+    time = np.arange(0, 200, 2.0)
+    write_columns("flight.csv", "time [us], displacement [mm]", time, 0.1 * time - 1e-4 * time**2)
+    Path("tests.csv").write_text(TESTS)
+    with cases.invented():
+        live = MADE[name]("before")
+    shutil.move("before", "moved")
+    loaded = wc.load("moved")
+    check_kept(live, loaded)
+
+
+SMALL_CELL = {"mesh": "3,2,2"}
+SOLID = {
+    "case": lambda out: wc.crossover.yarn("S-720", yarn="weft", **SMALL_CELL, out=out),
+    "surface": lambda out: wc.surface(
+        "S-720", mesh="4,3,2", points=5, d1="0 mm .. 0.01 mm", d2="0 um .. 8 um", out=out
+    ),
+    "law": lambda out: wc.calibrate("S-720", mesh="coarse", out=out),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOLID)
+def test_a_loaded_result_of_the_3d_crossover_has_the_table_of_the_live_one(name, tmp_path):
+    pytest.importorskip("dolfinx")
+    with small_calibration():
+        live = SOLID[name](tmp_path / "before")
+    shutil.move(tmp_path / "before", tmp_path / "moved")
+    check_kept(live, wc.load(tmp_path / "moved"))
+
+
+def check_kept(live, loaded):
+    """A loaded result has the table of the live one, and nothing that keys.toml does not name."""
+    table = live.to_dataframe()
+    assert len(table) > 0
+    assert not any("\n" in str(column) for column in table)
+    pandas.testing.assert_frame_equal(loaded.to_dataframe(), table)
+    if live.kind == "impact":
+        return
+    kind = live.kind
+    varied = getattr(live, "keys", ())
+    if kind not in ("coupon", "case", "mesh"):
+        columns = [column for column in table if column not in varied]
+        assert [name for name in columns if one_table.find_column(name, kind) is None] == []
+    tables = (kind, "tests") if kind == "comparison" else (kind,)
+    if kind == "coupon":
+        tables = ("run", kind)
+    declared = {key.name.partition(".")[0] for key in keys.table(*tables)} - {"rows"} | SHARED
+    if kind in ("sweep", "case"):
+        declared.add("rows")
+    found = [name for name in loaded.content if not any(fnmatch(name, one) for one in declared)]
+    assert found == []
+
+
+def write_columns(name, heading, *columns):
+    """Write a file of two columns."""
+    rows = (", ".join(f"{value}" for value in row) for row in zip(*columns))
+    Path(name).write_text("\n".join([heading, *rows]))
+
+
+def test_a_column_of_texts_keeps_those_that_look_like_numbers_or_like_nothing(tmp_path):
+    live = one_table.frame(
+        {"outcome": ["", "7", None], "shots": [3, 4, 5], "lower_m_s": [None, 0.1 + 0.2, 7.0]},
+        "sweep",
     )
+    (tmp_path / "t.csv").write_text(one_table.csv(live))
+    again = one_table.read_csv(tmp_path / "t.csv", "sweep")
+    pandas.testing.assert_frame_equal(again, live)
+    assert list(again["outcome"]) == ["", "7", ""]
+    assert again["lower_m_s"][1] == 0.1 + 0.2
 
 
 def test_what_is_no_folder_of_results_is_refused(tmp_path):

@@ -212,14 +212,14 @@ TABLE = "strike velocity [m/s],residual velocity [m/s]\n90,0\n130,60.5\n"
 def written(folder, name):
     """Write a result of a kind to a folder: its numbers, its table and a picture."""
     names = [name, "scene.toml", "picture.svg"]
-    if KINDS[name]:
-        names.append(KINDS[name])
+    if KINDS[name].csv:
+        names.append(KINDS[name].csv)
     with out_folder.hold(folder, names):
         json_file.write(folder / name, {"format": "weavecell x 1", "speed_m_s": 97.5})
         files.write(folder / "scene.toml", FRAME)
         files.write(folder / "picture.svg", "<svg/>")
-        if KINDS[name]:
-            files.write(folder / KINDS[name], TABLE)
+        if KINDS[name].csv:
+            files.write(folder / KINDS[name].csv, TABLE)
 
 
 @settings(
