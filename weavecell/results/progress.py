@@ -118,7 +118,8 @@ def run_with_bar(
                 share = 1.0
             else:
                 share = solver.time / solver.end_time
-            advance(share, f"{solver.state.projectile_velocity[2]:.1f} m/s")
+            # that of its centre of mass: the tip of a bullet of metal swings
+            advance(share, f"{solver.sample('v')[-1]:.1f} m/s")
 
         try:
             return run((show, *hooks)), None

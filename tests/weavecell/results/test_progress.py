@@ -4,7 +4,9 @@ import io
 import logging
 import re
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from fabrics.base import kernel_cache
@@ -66,3 +68,28 @@ def test_a_first_run_of_any_kind_says_that_it_compiles():
     }
     of_a_ply = {f"shellfabric.{name}" for name in ("contact", "loop", "projectile", "surface")}
     assert kernels - of_a_ply <= set(kernel_cache.MODELS)
+
+
+def test_a_shot_shows_the_velocity_of_the_centre_of_mass(clock, monkeypatch):
+    """The tip of a bullet of metal swings: its velocity rises from line to line while the bullet slows down."""
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
+    monkeypatch.setattr(sys, "stderr", terminal)
+    centre = [430.0]
+
+    def run(hooks):
+        solver = SimpleNamespace(ended=False, end_time=200e-6, time=0.0)
+        solver.state = SimpleNamespace(projectile_velocity=np.array([0.0, 0.0, 231.6]))
+        solver.sample = {"v": centre}.get
+        for time, velocity in ((60e-6, 247.0), (80e-6, 226.3)):
+            clock[0] += 30.0
+            solver.time = time
+            centre.append(velocity)
+            for hook in hooks:
+                hook(solver)
+        return "the result"
+
+    assert progress.run_with_bar(run, "a bullet") == ("the result", None)
+    shown = terminal.getvalue()
+    assert re.findall(r"(\d+) %.*?([\d.]+) m/s", shown)[:2] == [("30", "247.0"), ("40", "226.3")]
+    assert "231.6" not in shown
