@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics.base.checks import FilePath
+from fabrics.base.schema import changed
 from weavecell.api.result import Result
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
@@ -37,9 +38,9 @@ def export(
     projectile, contact, output.
 
     The error of the material card against the unit cell is in the deck's header, printed, and in
-    report.html. Warp and weft of a turned ply are a second material with the same error. Of an
-    input file, the tables history and numerics, the contact law of plies, and what a run records
-    mean nothing here. Nothing breaks in a deck. OpenRadioss was run with earlier decks, LS-DYNA was
+    report.html. Warp and weft of a turned ply are a second material with the same error. The keys
+    of an input file that a deck leaves out are in its header and printed: nothing breaks in it, and
+    plies touch with the stiffness of the code. OpenRadioss was run with earlier decks, LS-DYNA was
     not: see docs/reports/cards.md.
 
     The folder then holds NAME.k, or NAME_0000.rad and NAME_0001.rad, with mapping.svg, summary.json
@@ -81,10 +82,14 @@ def export(
     else:
         stem = panel.setup.fabric.name
     with out_folder.hold(out, folder.names(to, stem)), panel.name_problems():
+        given = ()
+        if panel.case is not None:
+            given = tuple(changed(panel.case.scene))
         names = {"title": panel.shot_title, "source": panel.law_name}
-        deck = model.build(panel.setup, code, units, match, **names)
+        deck = model.build(panel.setup, code, units, match, **names, given=given)
         folder.write(deck, Path(out), to, stem, match, panel.text, panel.setup.fabric)
-    return DeckResult(code.NAME, {card.name: card.mismatch.numbers() for card in deck.cards})
+    errors = {card.name: card.mismatch.numbers() for card in deck.cards}
+    return DeckResult(code.NAME, errors, deck.left_out)
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,6 +101,7 @@ class DeckResult(Result):
     code : that the deck is for
     errors : {material: law less the cell over the strength [-]}: "rms" and "largest" over the
         biaxial plane, largest in "uniaxial" tension and in "shear" until locking
+    left_out : keys of the scene that the deck leaves out, with what follows
 
     Examples
     --------
@@ -106,6 +112,7 @@ class DeckResult(Result):
 
     code: str
     errors: dict[str, dict[str, float]]
+    left_out: tuple[str, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """Return the errors of the first material."""
@@ -124,4 +131,7 @@ class DeckResult(Result):
         for name, numbers in self.errors.items():
             errors = ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
             lines.append(f"{name}: {errors}")
-        return "\n".join([*lines, f"of the strength; the deck has not been run in {self.code}"])
+        lines.append(f"of the strength; the deck has not been run in {self.code}")
+        if self.left_out:
+            lines.append(f"left out of the scene: {', '.join(self.left_out)}")
+        return "\n".join(lines)

@@ -14,7 +14,7 @@ that share of the projectile's mass; the whole surface of the projectile is ther
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
@@ -24,7 +24,7 @@ import numpy as np
 import fabrics
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from fabrics.base.errors import InputError
-from fabrics.base.schema import unread
+from fabrics.base.schema import unread, with_tables
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.snapshots import quads
 from shellfabric.membrane import boundary
@@ -72,6 +72,30 @@ REFUSED: dict[str, Callable[[Any], bool]] = {
     "panel.boundary.clamp_force": lambda ply: boundary.slips(ply.boundary),
     "projectile.body": lambda ply: ply.projectile.deforms,
 }
+
+
+# what a run of a set-up has and no deck, whether or not a scene gives the key: it acts by its default too
+LEFT_OUT: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "panel.yarn_failure": ("nothing breaks", lambda ply: ply.yarn_failure),
+    "panel.ply_contact": ("contact has the stiffness of the code", lambda ply: ply.plies > 1),
+}
+# tables and keys that a deck has no place for, where a scene gives them
+_NO_PLACE = ("history", "accuracy", "numerics", "run.outputs", "run.snapshot_interval")
+_NO_PLACE += ("run.checkpoint_interval",)
+
+
+def list_left_out(setup: ImpactSetup, given: Iterable[str] = ()) -> tuple[str, ...]:
+    """List the keys of a scene that a deck leaves out, with what follows from it where it acts.
+
+    Parameters
+    ----------
+    given : keys that the scene sets to something other than their default (`schema.changed`)
+    """
+    found = [f"{key} ({words})" for key, (words, acts) in LEFT_OUT.items() if acts(setup)]
+    for key in given:
+        if any(name in _NO_PLACE for name in with_tables(key)):
+            found.append(key)
+    return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -181,6 +205,7 @@ class Deck:
     mirrors : whether x = 0 and y = 0 are planes of symmetry
     friction : [-] between plies
     end_time : [s]
+    left_out : keys of the scene that it leaves out
     """
 
     title: str
@@ -192,6 +217,7 @@ class Deck:
     mirrors: tuple[bool, bool]
     friction: float
     end_time: float
+    left_out: tuple[str, ...] = ()
 
     @property
     def points(self) -> FloatArray:
@@ -245,7 +271,14 @@ class Deck:
 
 
 def build(
-    setup: ImpactSetup, code: ModuleType, units: str, match: str, *, title: str, source: str
+    setup: ImpactSetup,
+    code: ModuleType,
+    units: str,
+    match: str,
+    *,
+    title: str,
+    source: str,
+    given: Iterable[str] = (),
 ) -> Deck:
     """Build the deck of a set-up.
 
@@ -256,6 +289,7 @@ def build(
     units : of UNITS
     match : of `cloth.MATCHES`
     title, source : in words: of the shot, and of its compression law
+    given : keys of the scene, see `list_left_out`
 
     Raises
     ------
@@ -295,7 +329,11 @@ def build(
     mirrors = pack.plies[0].mirrors
     nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
     law = f"{code.KEYWORD}, {_NEAREST[match]}"
-    header = _header(materials, units, share, law, source, code.NAME, setup.opening_notes)
+    left_out = list_left_out(setup, given)
+    notes = [f"Note: {note}" for note in setup.opening_notes]
+    if left_out:
+        notes.insert(0, f"Left out of the scene: {', '.join(left_out)}")
+    header = _header(materials, units, share, law, source, code.NAME, notes)
     end = setup.end_time
     friction = pack.friction
     return Deck(
@@ -308,6 +346,7 @@ def build(
         mirrors,
         friction,
         end,
+        left_out,
     )
 
 
@@ -353,7 +392,7 @@ def _header(cards, units, share, law, source, code, notes):
             text.append(
                 f"WARNING: law {card.number} is off by more than {100 * LIMIT:.0f} % of the strength"
             )
-    text += [f"Not represented: {cards[0].law.lost}", *(f"Note: {note}" for note in notes)]
+    text += [f"Not represented: {cards[0].law.lost}", *notes]
     if share < 1:
         text.append(
             f"Symmetry: {share:g} of panel and projectile are modelled; forces and energies are of that part"

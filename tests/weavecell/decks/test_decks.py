@@ -247,6 +247,45 @@ def test_each_fabric_has_a_card_and_the_header_its_error():
     assert all(len(line) <= 76 for line in made.header)
 
 
+PACK = """
+[fabric]
+name = "S-728"
+[projectile]
+name = "FSP 1.10 g"
+strike_velocity = "150 m/s"
+[panel]
+opening = "40 mm"
+plies = 2
+ply_friction = 0.2
+{failure}
+[run]
+end_time = "50 us"
+elements_per_crossover = 1
+outputs = []
+[numerics]
+cfl = 0.4
+[history]
+weft = ["0 mm"]
+"""
+
+
+@pytest.mark.parametrize(
+    "to, failure, nothing", [("lsdyna", "", True), ("radioss", "yarn_failure = false", False)]
+)
+def test_a_deck_names_every_key_of_the_scene_that_it_leaves_out(tmp_path, to, failure, nothing):
+    """In the deck and on the terminal; not what a deck has: opening, friction, mesh and end time."""
+    scene = tmp_path / "pack.toml"
+    scene.write_text(PACK.format(failure=failure))
+    made = wc.export(scene, to, tmp_path / "out")
+    keys = [line.split(" (")[0] for line in made.left_out]
+    wanted = ["panel.ply_contact", "run.outputs", "history", "numerics.cfl"]
+    assert keys == ["panel.yarn_failure"] * nothing + wanted
+    written = " ".join((tmp_path / "out" / folder.CODES[to].names("pack")[0]).read_text().split())
+    for key in keys:
+        assert key in str(made).rpartition("left out of the scene:")[2]
+        assert key in written
+
+
 def test_the_python_interface_writes_the_folder(tmp_path):
     given = wc.setup("S-728", "100 m/s", opening="40 mm", plies=2, stacking="alternating")
     errors = wc.export(given, "radioss", tmp_path / "out", units="g-mm-ms").summary()
