@@ -65,7 +65,9 @@ class BackingResult:
     plastic : (m,) effective plastic strain
     gone : (m,) bool, eroded
     share : [-] part of the block that is modelled
-    time, dent : (n,) [s], [m] of the samples of the run, and the deepest point of the face at each
+    gauge_depth : [m] that a gauge finds at the end, in motion or at rest (`dent.gauge`)
+    time, dent : (n,) [s], [m] of the samples of the run, and the depth at each that a gauge finds
+        (`dent.gauge`)
     at_rest : whether the block rests at the end (`dent.at_rest`): only then has it a signature
     alone_from : [s] at which the block went on alone, behind a pack that had left the dent's floor;
         NaN where it did not
@@ -80,6 +82,7 @@ class BackingResult:
     plastic: np.ndarray
     gone: np.ndarray
     share: float = 0.25
+    gauge_depth: float = 0.0
     time: np.ndarray = field(default_factory=lambda: np.zeros(1))
     dent: np.ndarray = field(default_factory=lambda: np.zeros(1))
     at_rest: bool = False
@@ -92,15 +95,15 @@ class BackingResult:
 
     @property
     def deepest_point(self) -> float:
-        """[m] depth of the deepest point of the face at the end, wherever it is, in motion or at
-        rest."""
+        """[m] depth of the deepest node of the face at the end, wherever it is, in motion or at
+        rest, which is no measurement."""
         return dent.deepest(self.depth_map)
 
     @property
     def back_face_signature(self) -> float | None:
-        """[m] depth of the deepest point of a block at rest, which is what is measured in clay after
-        a shot; None while it moves."""
-        return self.deepest_point if self.at_rest else None
+        """[m] depth that a gauge finds in a block at rest, which is what is measured in clay after a
+        shot; None while it moves."""
+        return self.gauge_depth if self.at_rest else None
 
     @property
     def deepest_dent(self) -> float:
@@ -117,7 +120,7 @@ class BackingResult:
         """[-] share of its greatest depth by which the dent has fallen at the end; 0 without one."""
         if self.deepest_dent <= 0:
             return 0.0
-        return 1 - self.deepest_point / self.deepest_dent
+        return 1 - self.gauge_depth / self.deepest_dent
 
     @property
     def volume(self) -> float:
@@ -146,13 +149,14 @@ def result_of(
 
     Parameters
     ----------
-    time, depth : (n,) [s], [m] when its deepest point was looked at, and where that was; None
+    time, depth : (n,) [s], [m] when its dent was looked at, and how deep a gauge found it; None
         where nobody has looked: whether such a block rests is not known
     alone_from : of BackingResult
     """
     face = block.depth_map()
+    gauged = dent.gauge(face, block.backing.mirrors)
     if time is None or depth is None:
-        time, depth = np.array([block.time]), np.array([dent.deepest(face)])
+        time, depth = np.array([block.time]), np.array([gauged])
     found = BackingResult(
         block.backing.standoff,
         block.crater(0),
@@ -163,6 +167,7 @@ def result_of(
         block.alpha.copy(),
         block.gone.copy(),
         0.5 ** sum(block.backing.mirrors),
+        gauged,
         time,
         depth,
         alone_from=alone_from,
@@ -404,15 +409,14 @@ class BackingCoupling(Part):
         return {"row": self.block.row, "points": self.block.points, "hand over": self.hand_over}
 
     def samples(self) -> dict[str, float]:
-        """Return the depth [m] of the deepest point of the face, the motion [m] beside held faces,
-        and how far [m] a node is across a plane of symmetry, see Part; keeps the force on the
-        face."""
+        """Return the depth [m] of the dent that a gauge finds, the motion [m] beside held faces, and
+        how far [m] a node is across a plane of symmetry, see Part; keeps the force on the face."""
         hand_over = self.hand_over
         if self.block.points is not None:
             hand_over.rim_force = float(np.abs(self.block.points.force[:, 2]).sum())
         hand_over.peak_force = max(float(hand_over.peak_force), float(hand_over.rim_force))
         return {
-            "dent": dent.deepest(self.block.depth_map()),
+            "dent": dent.gauge(self.block.depth_map(), self.block.backing.mirrors),
             "held_motion": dent.held_motion(self.block),
             "crossing": dent.crossing(self.block),
         }

@@ -1,8 +1,10 @@
 """A dent in a block against time: how deep it is, and whether it rests.
 
 A test in clay measures the dent that stays, one in clear gel the deepest point that a camera sees.
-The two are not the same number: a dent springs back. Both are read off the depth of the deepest
-point of the face at the samples of a run.
+The two are not the same number: a dent springs back. Both are read off the depth that a gauge finds
+at the samples of a run: the mean over a disc about the deepest node. A single node is no
+measurement: with bricks of 2, 1 and 0.75 mm behind one shot the deepest one stood at 5.7, 4.6 and
+4.1 mm, where the mean over such a disc about the axis was 3.5, 3.05 and 3.0 mm.
 """
 
 from __future__ import annotations
@@ -25,12 +27,46 @@ ABOUT = 2.0  # radii of the dent within which this motion counts
 # share of its greatest depth by which a dent at rest may still change in the time in which a shear
 # wave crosses it: springing back is shear, and a dent that turns is without motion for a moment
 STILL = 0.05
+GAUGE = 5e-3  # [m] radius of the disc of a gauge, whatever the projectile: one of a ball's would miss its dent
+_PARTS = 8  # along a side of a facet of the face, whose middles are in the disc or not
 
 
 def deepest(face: FloatArray) -> float:
     """Return the depth [m] of the deepest point of a face (nx, ny, 3) [m] of x, y and depth; 0 of
     one that is nowhere below its place at rest."""
     return max(float(face[..., 2].max()), 0.0)
+
+
+def gauge(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
+    """Compute the depth [m] that a gauge finds: the mean over the area, seen along the flight, of a
+    disc of radius GAUGE about the deepest node; 0 of a face that is nowhere below its place at rest.
+
+    Parameters
+    ----------
+    face : (nx, ny, 3) [m] x, y and depth, which is bilinear in each facet
+    mirrors : whether x = 0 and y = 0 are planes of symmetry, which it goes on beyond
+    """
+    if face[..., 2].max() <= 0:
+        return 0.0
+    i, j = np.unravel_index(np.argmax(face[..., 2]), face.shape[:2])
+    centre = face[i, j, :2]
+    corners = face[:-1, :-1], face[1:, :-1], face[:-1, 1:], face[1:, 1:]
+    nearest = np.min([np.abs(corner[..., :2] - centre).max(axis=-1) for corner in corners], axis=0)
+    sides = max(float(np.abs(np.diff(face[..., :2], axis=axis)).max()) for axis in (0, 1))
+    c00, c10, c01, c11 = (corner[nearest <= GAUGE + sides][:, None] for corner in corners)
+    at = (np.arange(_PARTS) + 0.5) / _PARTS
+    s, t = (place.reshape(1, -1, 1) for place in np.meshgrid(at, at))
+    points = (1 - s) * ((1 - t) * c00 + t * c01) + s * ((1 - t) * c10 + t * c11)
+    along = (1 - t) * (c10 - c00) + t * (c11 - c01)
+    across = (1 - s) * (c01 - c00) + s * (c11 - c10)
+    area = np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0])
+    images = np.array([(1, 1), (-1, 1), (1, -1), (-1, -1)])
+    seen = [image for image in images if all(np.where(image < 0, mirrors, True))]
+    within = sum(np.hypot(*(points[..., :2] * image - centre).T).T <= GAUGE for image in seen)
+    weight = area * within
+    if not weight.any():
+        return deepest(face)
+    return max(float(np.sum(weight * points[..., 2]) / np.sum(weight)), 0.0)
 
 
 def change(time: FloatArray, depth: FloatArray, window: float) -> float:
@@ -72,25 +108,6 @@ def motion_about(block: Block, radius: float) -> float:
     near = (np.hypot(*block.rest[:, :2].T) <= reach) & (below <= reach)
     speed = np.sum(block.v[near] ** 2, axis=1)
     return 0.5 * sums.dot(block.mass[near], speed) / taken
-
-
-def spike(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
-    """Compute how far [-] the deepest node of a face stands below the deepest of its neighbours,
-    over its depth: near 1 where a single node makes the dent, 0 of a face that is nowhere below.
-
-    Parameters
-    ----------
-    face : (nx, ny, 3) [m] x, y and depth
-    mirrors : whether x = 0 and y = 0 are planes of symmetry, which it goes on beyond
-    """
-    depth = face[..., 2]
-    if depth.max() <= 0:
-        return 0.0
-    i, j = np.unravel_index(np.argmax(depth), depth.shape)
-    around = depth[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2].copy()
-    around[min(i, 1), min(j, 1)] = -np.inf
-    # beyond a plane of symmetry a neighbour on it has its like, the node itself none
-    return float(min((depth[i, j] - around.max()) / depth[i, j], 1.0))
 
 
 def floor_brick(face: FloatArray, radius: float) -> float:

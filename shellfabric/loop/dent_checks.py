@@ -35,7 +35,8 @@ def indicators(solver: Any) -> tuple[Indicator, ...]:
         "folded bricks": dent.folding(block),
     }
     if found.deepest_dent > 0.1 * brick:
-        values["spike of the dent"] = dent.spike(found.depth_map, block.backing.mirrors)
+        gauged = max(found.gauge_depth, 0.1 * brick)
+        values["deepest node of the dent"] = found.deepest_point / gauged
         values["brick on the dent's floor"] = dent.floor_brick(found.depth_map, found.half_width)
     if solver.stack.after_stop > 0 and solver.stack.stop_step > 0:
         window = found.half_width / block.backing.material.shear_speed

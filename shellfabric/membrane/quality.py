@@ -171,9 +171,9 @@ LIMITS = {
         "largest share of its part of a brick's volume that a corner of it has lost at the end: above 1 "
         "it is turned inside out, and the brick is folded in an hourglass mode",
     ),
-    "spike of the dent": (
-        0.5,
-        "how far the deepest node of the face stands below its deepest neighbour over its depth: a "
+    "deepest node of the dent": (
+        1.3,
+        "depth of the deepest node of the face over that which a gauge of 5 mm in radius finds: a "
         "single node is no dent",
     ),
     "brick on the dent's floor": (
@@ -219,7 +219,7 @@ REMEDIES = {
     "motion at held faces": "widen and deepen backing.size",
     "face under held fabric": "widen backing.size, or take {free edges}",
     "face across symmetry": "compare with {whole panel}",
-    "spike of the dent": "smaller backing.min_size",
+    "deepest node of the dent": "smaller backing.min_size",
     "brick on the dent's floor": "smaller backing.min_size",
     "hourglass energy of the block": "smaller backing.min_size",
     "folded bricks": "smaller backing.min_size",

@@ -255,16 +255,16 @@ class ImpactRecord(ImpactData):
 
     @property
     def dent(self) -> dict[str, float | None]:
-        """{name: value} of the dent in the block: depth [m], volume [m3], steepness [rad]; None
-        while it moves."""
-        names = ("depth", "volume", "steepness")
+        """{name: value} of the dent in the block: depth [m], volume [m3], radius at half of its depth
+        [m], steepness [rad]; None while it moves."""
+        names = ("depth", "volume", "half_width", "steepness")
         if self.block_moves:
             return dict.fromkeys(names)
         return {name: getattr(self.backing, name) for name in names}
 
     @property
     def back_face_signature_mm(self) -> float | None:
-        """[mm] depth of the deepest point of the block's face at rest; None while it moves."""
+        """[mm] depth of the dent that a gauge finds at rest; None while it moves."""
         assert self.backing is not None
         if self.backing.back_face_signature is None:
             return None

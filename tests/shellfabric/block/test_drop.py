@@ -28,5 +28,6 @@ def test_the_dent_of_a_drop_test_is_deepest_before_it_rests():
     assert 0 < dent.deepest_dent_time < found.t[-1] - 1e-3
     assert 0.02 < dent.springback < 0.2
     assert dent.at_rest
-    assert dent.back_face_signature == dent.deepest_point < dent.deepest_dent
-    assert dent.deepest_point == pytest.approx((1 - dent.springback) * dent.deepest_dent)
+    assert dent.back_face_signature == dent.gauge_depth < dent.deepest_dent
+    assert dent.gauge_depth < dent.deepest_point < 1.1 * dent.gauge_depth  # a ball of 25 mm
+    assert dent.gauge_depth == pytest.approx((1 - dent.springback) * dent.deepest_dent)

@@ -81,10 +81,10 @@ def test_what_is_left_out_would_be_refused(kind, name):
 
 
 def test_a_doubtful_check_says_what_to_do_where_it_can_be_done():
-    over = [indicator("friction to hold yarns", 0.9), indicator("spike of the dent", 0.9)]
-    plain, spike = proposals.with_remedies(over, SETUPS["plain"])
+    over = [indicator("friction to hold yarns", 0.9), indicator("deepest node of the dent", 1.9)]
+    plain, deepest = proposals.with_remedies(over, SETUPS["plain"])
     assert str(plain).endswith('compare with crossovers = "yarns")')
-    assert str(spike).endswith("smaller backing.min_size)")
+    assert str(deepest).endswith("smaller backing.min_size)")
     (of_bullet,) = proposals.with_remedies(over[:1], SETUPS["bullet"])
     assert "crossovers" not in str(of_bullet)
     well = indicator("friction to hold yarns", 0.01)

@@ -32,7 +32,7 @@ def test_a_block_that_still_moves_has_no_dent_anywhere(pack):
     far, which nothing calls a signature, and the words that say so."""
     record = pack.record
     block = record.backing
-    depth = 1e3 * block.deepest_point
+    depth = 1e3 * block.gauge_depth
     assert record.block_moves
     assert block.back_face_signature is None
     known = {"block_motion_over_strike", "deepest_dent_mm", "deepest_dent_time_s"}

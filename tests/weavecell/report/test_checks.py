@@ -54,6 +54,9 @@ def test_the_section_of_the_report_has_what_is_noted():
     assert section.tables[0].rows[0][3] == "noted (noted above 0.1)"
 
 
+AT_REST = "back-face signature 9 mm (dent in the block at rest, of 3 cm³, radius at half depth 14.0 mm; deepest 12 mm"
+
+
 def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves():
     setup = wc.setup("S-728", "200 m/s", backing={"material": "gelatine 20 %", "modulus": "5 MPa"})
     told = dict(chapters_shot.assumptions(setup, ()).tables[0].rows)["block behind"]
@@ -63,13 +66,15 @@ def test_the_report_names_what_is_assumed_of_a_block_and_whether_it_still_moves(
     assert ", of the block of gelatine 20 %. Its outer faces are fixed." in told
     moves = "no back-face signature yet: the block moves with 0.33 % of the strike energy or"
     for outcome, at_rest, said, longer in (
-        ("stopped", True, "back-face signature 9 mm (dent in the block at rest; deepest 12 mm", ""),
+        ("stopped", True, AT_REST, ""),
         ("stopped", False, moves, "; backing.after_stop lets it come to rest"),
         ("in flight", False, moves, "; a longer run.end_time, and backing.after_stop, let it"),
     ):
         block = SimpleNamespace(
             at_rest=at_rest,
             back_face_signature=9e-3 if at_rest else None,
+            volume=3e-6,
+            half_width=14e-3,
             deepest_dent=12e-3,
             deepest_dent_time=640e-6,
         )

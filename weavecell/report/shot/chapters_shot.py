@@ -532,7 +532,6 @@ def _block(record):
     lead = f"{dent(record).capitalize()}. "
     if not record.block_moves:
         lead += (
-            f"Volume of the dent {text(block.volume, 'm3', form='.3g')}. "
             f"The crater is {text(block.depth, 'm', form='.1f')} deep and "
             f"{text(2 * block.half_width, 'm', form='.1f')} wide at half of that; its wall stands at "
             f"{display.number(block.steepness, 'rad', form='.0f')}° to the face. "
@@ -557,7 +556,9 @@ def dent(record: ImpactRecord) -> str:
     deepest = f"{record.deepest_dent_mm:.3g} mm at {text(record.backing.deepest_dent_time, 's')}"
     if not record.block_moves:
         signature = f"back-face signature {record.back_face_signature_mm:.3g} mm"
-        return f"{signature} (dent in the block at rest; deepest {deepest})"
+        size = f"{text(record.backing.volume, 'm3', form='.3g')}, radius at half depth "
+        size += text(record.backing.half_width, "m", form=".1f")
+        return f"{signature} (dent in the block at rest, of {size}; deepest {deepest})"
     moves = text(record.block_motion, "%", ".2g")
     longer = "backing.after_stop lets it come to rest"
     if record.outcome == "in flight":  # the time after the stop has not begun
