@@ -581,6 +581,7 @@ class PackSolver(ExplicitSolver):
             "monitor": self.monitor.found,
             "slipping": self.monitor.slipping,
             "coarse depth": self.monitor.coarse_depth,
+            "fastest nodes": self.monitor.fastest,
         }
 
     def checkpoint_records(self) -> dict[str, list[Any]]:

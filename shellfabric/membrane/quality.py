@@ -25,6 +25,11 @@ EVERY = 4  # samples of the solver from one sample to the next: a sample costs a
 LIGHT = 0.03  # of the strength: tensions below it count as it
 SLIPPING = 0.5  # [-] share of the loaded crossings that would slip, from which on yarns may unzip
 RECOIL = 0.3  # [-] share of the absorbed energy that viscosity takes after the first failure, from which on they may
+# [-] share of the cuts after the echo from which on a bullet is doubtful: bullets are fired at free packs,
+# fragments at plies in a frame, whose echo is a part of the test
+ECHO_OF_A_BULLET = 0.5
+# [radii] that a bullet of metal has moved while it still cuts plies, about; four shots at packs of S-728
+CUTS_WITHIN = 4.0
 LEAST_LOADED = 100  # crossings, of which a share says something
 
 # name: (limit, what the value is)
@@ -61,7 +66,7 @@ LIMITS = {
     ),
     "element side": (1.0, "longest element side over the projectile's radius"),
     "element over failure length": (
-        2.0,
+        1.0,
         "if yarns fail: element side over the failure length",
     ),
     "path over fine mesh": (
@@ -133,6 +138,16 @@ LIMITS = {
         0.0,
         "crossings of taut resolved yarns that have passed through each other, and carry no force any more",
     ),
+    "cut after the echo of the frame": (
+        1.0,  # of a bullet of metal on a pack ECHO_OF_A_BULLET
+        "share of the yarns of a pack that were cut after the tension wave had come back from a clamped "
+        "edge: the outcome is that of this frame, not of a larger or a free pack",
+    ),
+    "node ahead of the strike": (
+        2.0,
+        "fastest node of a ply of a pack before it tears, along the flight, over the strike velocity: an elastic "
+        "collision with the projectile leaves twice that at most",
+    ),
     "unzipping": (
         1.5,
         "pinned yarns unzip, since a cut one hands its whole tension to the next at once: cut yarns over those under "
@@ -199,6 +214,7 @@ LIMITS = {
 NOTES = {
     "yarns past the next ply": 1e-3,
     "viscous energy": 0.1,
+    "cut after the echo of the frame": 0.5,
     "element over failure length": 0.5,
     "ply collisions": 0.05,
     "shear beyond locking": 1.0,
@@ -228,6 +244,7 @@ REMEDIES = {
     "dent back at the pack": "the dent at rest leaves out that they meet",
     "slip at the rim": "more yarn would be drawn in: widen panel.zone",
     "cut outside the zone": "resolve the whole panel: panel.zone of half the opening",
+    "node ahead of the strike": "smaller elements under the nose",
     "yarns that changed sides": "a smaller numerics.cfl",
     "friction to hold yarns": "compare with {resolved yarns}",
     "unzipping": "compare with {resolved yarns}",
@@ -285,12 +302,14 @@ class Monitor:
     slipping : (plies,) [-] largest share of the loaded crossings of a ply that would slip
     coarse_depth : (plies,) [m] deepest that fabric from beyond the fine mesh has been in the
         projectile
+    fastest : (plies,) [m/s] fastest node along the flight so far, of a ply that has not torn
     """
 
     def __init__(self, solver: Any) -> None:
         self.found = np.zeros((len(solver.plies), 3))
         self.slipping = np.zeros(len(solver.plies))
         self.coarse_depth = np.zeros(len(solver.plies))
+        self.fastest = np.zeros(len(solver.plies))
         plies = solver.pack.plies
         self._places = [ply.nearest_lines for ply in plies]
         self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
@@ -301,6 +320,10 @@ class Monitor:
 
         if solver.replaces_membrane:
             return  # about the nose there are yarns in the place of the panel's edges
+        # nodes that are thrown ahead fly on for a few samples, and not for EVERY of them
+        for p, state in enumerate(solver.states):
+            if not state.failures:
+                self.fastest[p] = max(self.fastest[p], float(np.max(state.v[2])))
         if len(solver.samples) % EVERY:
             return
         self._sample_coarse_fabric(solver)
@@ -390,6 +413,7 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         indicator("nose penetration", depth / nose),
         *worst(_mesh(ply, ply_const, broken) for ply, ply_const, _ in solver.plies),
         *_unzipping(solver, cut_yarns, energies),
+        *_echo(solver, cut_yarns),
         *_path(solver),
         *_coarse_fabric(solver),
         *worst(_extrapolation(ply, state) for ply, _, state in solver.plies),
@@ -399,6 +423,8 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         found.append(indicator("ply penetration", solver.monitor.found[:, -1].max()))
         collided = float(energies["ply_collisions"][-1])
         found.append(indicator("ply collisions", max(collided, 0.0) / strike))
+        ahead = float(solver.monitor.fastest.max()) / solver.strike_velocity
+        found.append(indicator("node ahead of the strike", ahead))
     return tuple(found)
 
 
@@ -422,6 +448,75 @@ def _unzipping(solver, cut_yarns, energies):
     words = f"cut over struck yarns {ratios.max():.1f}, {100 * slipping.max():.0f} % of the loaded crossings would "
     words += f"slip with friction {solver.panel.friction_between_yarns:g}, "
     words += f"viscosity took {100 * recoil:.0f} % after the first failure"
+    return [replace(found, meaning=f"{found.meaning}; {words}")]
+
+
+def foresee(pack: Any, strike_velocity: float, pinned: bool = True) -> tuple[Indicator, ...]:
+    """Foresee, before a run, the Indicators of its mesh, if yarns fail, and of the echo of its frame, if
+    it is to stop a bullet of metal.
+
+    Parameters
+    ----------
+    pack : plies.model.Pack
+    strike_velocity : [m/s]
+    pinned : whether yarns are pinned under the nose, where those that fail have elements
+    """
+    found = [
+        indicator("element over failure length", _element_ratio(ply))
+        for ply in pack.plies
+        if ply.yarn_failure and pinned
+    ]
+    back, wave = _way_to_the_frame(pack)
+    shot = pack.plies[0].projectile
+    if len(pack.plies) > 1 and shot.body == "metal" and np.isfinite(back):
+        cuts_for = CUTS_WITHIN * shot.radius / strike_velocity
+        meaning = f"time for which such a bullet cuts plies, about {1e6 * cuts_for:.0f} us, over that after which "
+        meaning += "the tension wave is back from the frame; "
+        meaning += f"an opening of {1e3 * wave * cuts_for:.0f} mm would do, or free edges"
+        echo = indicator("cut after the echo of the frame", cuts_for / back)
+        found.append(replace(echo, note=None, meaning=meaning))
+    return worst([[one] for one in found])
+
+
+def judge_echo(share: float, of_a_bullet: bool) -> Indicator:
+    """Return the indicator of a share of cuts after the echo: of a fragment it is noted alone."""
+    found = indicator("cut after the echo of the frame", share)
+    if of_a_bullet:
+        return replace(found, limit=ECHO_OF_A_BULLET, note=None)
+    return found
+
+
+def _way_to_the_frame(pack):
+    """Time [s] after the strike at which the tension wave is back at the impact point from the
+    nearest clamped edge, along straight yarns in the weave, inf without one; and the speed [m/s] of
+    the fastest wave."""
+    back = np.inf
+    fastest = 0.0
+    for panel in pack.plies:
+        weave = panel.weave
+        for axis, (places, pair) in enumerate(zip(panel.lines(), panel.supports)):
+            count = (weave.warp_count, weave.weft_count)[axis]
+            speed = (weave.yarns[axis].EA * count / weave.areal_density) ** 0.5
+            fastest = max(fastest, speed)
+            ends = -float(places[0]), float(places[-1])
+            ways = [far for side, far in zip(pair, ends) if side == "clamped" and far > 0]
+            back = min([back, *(2 * far / speed for far in ways)])
+    return back, fastest
+
+
+def _echo(solver, cut_yarns):
+    """The indicator of yarns that are cut after the wave is back from a clamped edge: [] of one ply,
+    whose frame is a part of the test, without such an edge, and without a cut."""
+    back, wave = _way_to_the_frame(solver.pack)
+    if len(solver.plies) == 1 or not (np.isfinite(back) and cut_yarns[-1] > 0):
+        return []
+    time = solver.sample("t")
+    before = float(np.interp(back, time, cut_yarns))
+    share = 1.0 - before / float(cut_yarns[-1])
+    first = float(time[np.argmax(cut_yarns > 0)])
+    found = judge_echo(share, solver.panel.projectile.body == "metal")
+    words = f"back after {1e6 * back:.0f} us; first cut after {1e6 * first:.0f} us, "
+    words += f"an opening of {1e3 * 2 * wave * first:.0f} mm would do, or free edges"
     return [replace(found, meaning=f"{found.meaning}; {words}")]
 
 
@@ -456,9 +551,14 @@ def _mesh(panel, const, broken):
     return (
         indicator("contact point spacing", spacing / shot.nose_radius),
         indicator("element side", longest / shot.radius),
-        indicator("element over failure length", broken * longest / panel.fabric.failure_length),
+        indicator("element over failure length", broken * _element_ratio(panel)),
         indicator("yarns an element", float(panel.finest)),
     )
+
+
+def _element_ratio(panel):
+    """[-] longest element side under the projectile over the failure length."""
+    return max(panel.spacing) / panel.fabric.failure_length
 
 
 def _extrapolation(panel, state):

@@ -91,6 +91,7 @@ class RunSize(_Size):
     cpu_time : (lowest, highest) [s] if the run goes on to its end time
     notes : lines on resolved yarns: what is assumed of them, and why they are resolved
     of_fabrics : lines that name what is assumed of the fabrics
+    foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
 
     Examples
     --------
@@ -108,6 +109,7 @@ class RunSize(_Size):
     cpu_time: tuple[float, float]
     notes: tuple[str, ...] = ()
     of_fabrics: tuple[str, ...] = ()
+    foreseen: tuple[str, ...] = ()
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -165,6 +167,7 @@ class RunSize(_Size):
             (low, high),
             notes,
             tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)),
+            _foresee(setup, pack),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -190,11 +193,19 @@ class RunSize(_Size):
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
-        lines += self.notes
+        lines += (*self.notes, *self.foreseen)
         # a command has printed the others as it read its file
         if not in_terminal():
             lines += self.of_fabrics
         return "\n".join(lines)
+
+
+def _foresee(setup, pack):
+    """Lines on the checks of a run that are foreseen to be doubtful."""
+    from shellfabric.membrane import quality
+
+    found = quality.foresee(pack, setup.strike_velocity, setup.crossovers is None)
+    return tuple(f"foreseen if yarns fail: doubtful: {one.text}" for one in found if one.doubtful)
 
 
 @dataclass(frozen=True, repr=False)
@@ -210,6 +221,7 @@ class StudySize(_Size):
     of_range : shots that the range over what is assumed adds, with those of its searches
     resolved : size of the same with resolved yarns, which is added if the checks ask for them; None
         if they cannot
+    foreseen : of RunSize, of its shots
 
     Examples
     --------
@@ -224,6 +236,7 @@ class StudySize(_Size):
     cpu_time: tuple[float, float]
     of_range: int = 0
     resolved: StudySize | None = None
+    foreseen: tuple[str, ...] = ()
 
     @classmethod
     def estimate(
@@ -253,11 +266,11 @@ class StudySize(_Size):
         of_a_search = shots_of_a_search(setup, tolerance)
         shots += of_a_search * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
-        to_its_end = RunSize.estimate(setup, title).cpu_time
+        of_a_run = RunSize.estimate(setup, title)
         of_a_shot = crossing / setup.end_time
-        low, high = shots * of_a_shot * np.multiply(to_its_end, DURATION)
+        low, high = shots * of_a_shot * np.multiply(of_a_run.cpu_time, DURATION)
         of_range = of_a_search * max(searches - 1, 0) + repeats
-        return cls(title, shots, searches, (low, high), of_range)
+        return cls(title, shots, searches, (low, high), of_range, foreseen=of_a_run.foreseen)
 
     def with_choice(self, setup: ImpactSetup, shots: int) -> StudySize:
         """Return the size with that of `shots` and one search with resolved yarns beside it, if the
@@ -281,7 +294,8 @@ class StudySize(_Size):
         shots = sum(size.shots for size in sizes)
         searches = sum(size.searches for size in sizes)
         of_range = sum(size.of_range for size in sizes)
-        return cls(title, shots, searches, (low, high), of_range)
+        foreseen = dict.fromkeys(line for size in sizes for line in size.foreseen)
+        return cls(title, shots, searches, (low, high), of_range, foreseen=tuple(foreseen))
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
@@ -303,6 +317,7 @@ class StudySize(_Size):
             )
         if self.resolved is not None:
             lines.append(f"if the checks ask for resolved yarns, another {self.resolved.cost}")
+        lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
         return "\n".join(lines)
