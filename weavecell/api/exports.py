@@ -82,7 +82,7 @@ def export(
     else:
         stem = panel.setup.fabric.name
     with out_folder.hold(out, folder.names(to, stem)), panel.name_problems():
-        given = ()
+        given: tuple[str, ...] = ()
         if panel.case is not None:
             given = tuple(changed(panel.case.scene))
         names = {"title": panel.shot_title, "source": panel.law_name}
@@ -101,7 +101,7 @@ class DeckResult(Result):
     code : that the deck is for
     errors : {material: law less the cell over the strength [-]}: "rms" and "largest" over the
         biaxial plane, largest in "uniaxial" tension and in "shear" until locking
-    left_out : keys of the scene that the deck leaves out, with what follows
+    keys_left_out : keys of the scene that the deck leaves out, with what follows
 
     Examples
     --------
@@ -112,7 +112,7 @@ class DeckResult(Result):
 
     code: str
     errors: dict[str, dict[str, float]]
-    left_out: tuple[str, ...] = ()
+    keys_left_out: tuple[str, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """Return the errors of the first material."""
@@ -132,6 +132,6 @@ class DeckResult(Result):
             errors = ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
             lines.append(f"{name}: {errors}")
         lines.append(f"of the strength; the deck has not been run in {self.code}")
-        if self.left_out:
-            lines.append(f"left out of the scene: {', '.join(self.left_out)}")
+        if self.keys_left_out:
+            lines.append(f"left out of the scene: {', '.join(self.keys_left_out)}")
         return "\n".join(lines)

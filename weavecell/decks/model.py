@@ -80,8 +80,14 @@ LEFT_OUT: dict[str, tuple[str, Callable[[Any], bool]]] = {
     "panel.ply_contact": ("contact has the stiffness of the code", lambda ply: ply.plies > 1),
 }
 # tables and keys that a deck has no place for, where a scene gives them
-_NO_PLACE = ("history", "accuracy", "numerics", "run.outputs", "run.snapshot_interval")
-_NO_PLACE += ("run.checkpoint_interval",)
+_NO_PLACE = (
+    "history",
+    "accuracy",
+    "numerics",
+    "run.outputs",
+    "run.snapshot_interval",
+    "run.checkpoint_interval",
+)
 
 
 def list_left_out(setup: ImpactSetup, given: Iterable[str] = ()) -> tuple[str, ...]:

@@ -277,7 +277,7 @@ def test_a_deck_names_every_key_of_the_scene_that_it_leaves_out(tmp_path, to, fa
     scene = tmp_path / "pack.toml"
     scene.write_text(PACK.format(failure=failure))
     made = wc.export(scene, to, tmp_path / "out")
-    keys = [line.split(" (")[0] for line in made.left_out]
+    keys = [line.split(" (")[0] for line in made.keys_left_out]
     wanted = ["panel.ply_contact", "run.outputs", "history", "numerics.cfl"]
     assert keys == ["panel.yarn_failure"] * nothing + wanted
     written = " ".join((tmp_path / "out" / folder.CODES[to].names("pack")[0]).read_text().split())
