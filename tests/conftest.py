@@ -81,6 +81,16 @@ def shared(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="session")
+def fresh():
+    """Processes that have numba loaded, and nothing of a test (`tests.fresh_processes`)."""
+    from tests.fresh_processes import FreshProcesses
+
+    processes = FreshProcesses()
+    yield processes
+    processes.close()
+
+
 @pytest.fixture
 def command(capsys, tmp_path, monkeypatch):
     """Run `weavecell LINE` in this process and an empty folder, as a shell would; returns (exit code, stdout, stderr).

@@ -25,7 +25,7 @@ RUN = (
 )
 
 
-def test_a_changed_kernel_empties_the_cache_of_those_that_call_it_alone(tmp_path):
+def test_a_changed_kernel_empties_the_cache_of_those_that_call_it_alone(tmp_path, fresh):
     """numba's own cache knows of the file alone that a kernel stands in: 2 again."""
     package = tmp_path / "cloth"
     package.mkdir()
@@ -35,15 +35,9 @@ def test_a_changed_kernel_empties_the_cache_of_those_that_call_it_alone(tmp_path
 
     def run(value):
         (package / "inner_kernels.py").write_text(IMPORTS + INNER.format(value))
-        command = [sys.executable, "-c", RUN]
-        path = {
-            "PYTHONPATH": f"{tmp_path}:{ROOT}",
-            "PATH": "/usr/bin",
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        return subprocess.run(
-            command, env=path, check=True, capture_output=True, text=True
-        ).stdout.strip()
+        done = fresh.run(RUN, folder=tmp_path)
+        assert done.code == 0, done.err
+        return done.out.strip()
 
     assert run(1) == "2 3 0"
     assert run(2) == "4 3 1"
@@ -64,7 +58,7 @@ RUN_UNIT = (
 
 
 @pytest.fixture
-def unit_package(tmp_path):
+def unit_package(tmp_path, fresh):
     """A package whose units call each other: result and cache hits of (square, scaled_square)."""
 
     def run(folder, *, words="", factor="2.0", own="1.0", more=""):
@@ -76,15 +70,9 @@ def unit_package(tmp_path):
             HEAD.format(words) + f"{more}FACTOR = {factor}\n" + unit
         )
         (package / "caller_kernels.py").write_text(CALLER)
-        path = {
-            "PYTHONPATH": f"{tmp_path / folder}:{ROOT}",
-            "PATH": "/usr/bin",
-            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        command = [sys.executable, "-c", RUN_UNIT]
-        found = subprocess.run(command, env=path, check=True, capture_output=True, text=True)
-        value, *hits = map(float, found.stdout.split())
+        done = fresh.run(RUN_UNIT, folder=package.parent, cache=tmp_path / "cache")
+        assert done.code == 0, done.err
+        value, *hits = map(float, done.out.split())
         return value, hits
 
     return run

@@ -17,19 +17,16 @@ def twice(x):
 RUN = "from mine.kernels import twice; print(twice(21.0), sum(twice.stats.cache_misses.values()))"
 
 
-def test_kernels_of_cut_files_are_compiled_again(tmp_path, monkeypatch):
+def test_kernels_of_cut_files_are_compiled_again(tmp_path, fresh):
     package = tmp_path / "mine"
     package.mkdir()
     (package / "__init__.py").touch()
     (package / "kernels.py").write_text(KERNEL.format(0.5))
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
 
     def run():
-        found = subprocess.run(
-            [sys.executable, "-c", RUN], cwd=tmp_path, capture_output=True, text=True, check=False
-        )
-        assert found.stderr == ""
-        return found.stdout
+        found = fresh.run(RUN, folder=tmp_path)
+        assert found.err == ""
+        return found.out
 
     assert run() == "42.5 1\n"
     assert run() == "42.5 0\n"
@@ -75,7 +72,7 @@ ORDERS = [("call", "plain", "rounded"), ("rounded", "plain", "call")]
 
 
 @pytest.mark.parametrize("order", ORDERS, ids="-".join)
-def test_each_set_of_options_has_machine_code_of_its_own(tmp_path, monkeypatch, order):
+def test_each_set_of_options_has_machine_code_of_its_own(tmp_path, monkeypatch, fresh, order):
     """A kernel of the solids had no way in from Python, and the crossover crashed on its code."""
     package = tmp_path / "mine"
     package.mkdir()
@@ -83,13 +80,9 @@ def test_each_set_of_options_has_machine_code_of_its_own(tmp_path, monkeypatch, 
     (package / "kernels.py").write_text(SHARED)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
 
-    def run(seed, *names):
-        monkeypatch.setenv("PYTHONHASHSEED", seed)
-        done = subprocess.run(
-            [sys.executable, "-c", TELL, *names], cwd=tmp_path, capture_output=True, text=True
-        )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
-
-    assert [run("1", name) for name in order] == ["42.5 1\n"] * 3
-    assert run("2", *order) == "42.5 0\n" * 3
+    for name in order:
+        assert fresh.run(TELL, name, folder=tmp_path).out == "42.5 1\n"
+    # the text of a set of options follows the hash seed of the process, which no fork can change
+    monkeypatch.setenv("PYTHONHASHSEED", "2")
+    told = subprocess.check_output([sys.executable, "-c", TELL, *order], cwd=tmp_path, text=True)
+    assert told == "42.5 0\n" * 3

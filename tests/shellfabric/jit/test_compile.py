@@ -1,12 +1,8 @@
 """Units: kernels that are compiled by themselves, when they are first called, and called through cells."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
-from fabrics.base import kernel_cache
 from shellfabric.jit.compile import UNITS, entry, units
 from shellfabric.jit.table import GRADED, UNIFORM, Row, array, per_slot
 
@@ -75,32 +71,54 @@ def test_a_unit_refuses_arguments_of_other_types():
         call_weighted(np.zeros(2), np.zeros(2))
 
 
+LITTLE = """
+from shellfabric.jit.compile import units
+
+unit = units({})
+"""
+LITTLE_UNIT = """
+@unit("number", x="number")
+def times_{0}(x):
+    return {0} * x
+"""
+COUNT = 4
 RUN = """
-import logging, sys
+import sys
+import little
 from shellfabric.loop import compile_ahead
 from shellfabric.jit.table import GRADED
-wanted = compile_ahead.cells(GRADED, False)[:8]
-compile_ahead.cells = lambda grid, several: wanted
-compile_ahead._CHILD = sys.argv[1]
+
+little_alone = "compile_ahead.OF_A_PLY = ('little',)"
+exec(little_alone)
+if sys.argv[1] == "no child":
+    compile_ahead._CHILD = "raise SystemExit(1)"
+else:
+    head = f"import little; from shellfabric.loop import compile_ahead; {little_alone}; "
+    compile_ahead._CHILD = head + compile_ahead._CHILD
 compile_ahead.fill(GRADED, False)
+wanted = compile_ahead.cells(GRADED, False)
 print(*[int(cell.kinds in cell.unit.dispatcher.stats.cache_misses) for cell in wanted])
 """
-CHILD = """
-from shellfabric.loop.compile_ahead import cells
-[cell.fill() for cell in cells({}, {})[3:8]]
-"""
 
 
-def compiled(child, folder):
-    """Whether each of eight units was compiled by a process, with a child of its own."""
-    command = [sys.executable, "-c", RUN, child]
-    variables = {"NUMBA_CACHE_DIR": str(folder), "PATH": "/usr/bin"}
-    variables["PYTHONPATH"] = str(kernel_cache.ROOT)
-    done = subprocess.run(command, env=variables, check=True, capture_output=True, text=True)
-    return [int(word) for word in done.stdout.split()]
+@pytest.fixture
+def compiled(tmp_path, fresh):
+    """A function: whether each of a few units was compiled by a process that has a child, or none, beside it."""
+    numbers = range(1, COUNT + 1)
+    (tmp_path / "little.py").write_text(LITTLE + "".join(map(LITTLE_UNIT.format, numbers)))
+
+    def run(child, cache):
+        done = fresh.run(RUN, child, folder=tmp_path, cache=tmp_path / cache)
+        assert done.code == 0, done.err
+        return [int(word) for word in done.out.split()]
+
+    return run
 
 
-def test_units_of_a_cold_start_are_compiled_with_or_without_a_child(tmp_path):
+def test_units_of_a_cold_start_are_compiled_with_or_without_a_child(compiled):
     """Where no child can help, this process compiles them all; what is in the cache is compiled by none."""
-    assert compiled("raise SystemExit(1)", tmp_path) == [1] * 8
-    assert compiled(CHILD, tmp_path) == [0] * 8
+    assert compiled("no child", "one") == [1] * COUNT
+    assert compiled("child", "one") == [0] * COUNT
+    # the child takes from the end what it can: the first is always left to this process
+    assert compiled("child", "other")[0] == 1
+    assert compiled("no child", "other") == [0] * COUNT
