@@ -16,6 +16,7 @@ import ast
 import builtins
 import io
 import keyword
+import os
 import re
 import tokenize
 from functools import cache
@@ -26,6 +27,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation", "weavecell")
 IN_BACKTICKS = re.compile(r"`+([^`\n]+)`+")
+COMMENT_WITH_REFERENCE = re.compile(r"#[^\n]*`")
+RESULTS = Path("results")  # what is computed here is no part of the repository
 DOTTED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*(\(\))?")
 SOURCE_FILE = re.compile(r"[\w./-]+\.(py|md|toml|csv|sh|ipynb)")
 # files that users write and runs make
@@ -73,10 +76,14 @@ class Index:
         for path in (root / "tests", root / "tools", root / "benchmarks"):
             for file in path.rglob("*.py"):
                 self._add_name(file.relative_to(root).with_suffix("").parts, {"*"})
-        for path in root.rglob("*"):
-            name = path.relative_to(root).as_posix()
-            if not name.startswith((".", "results/")) and "node_modules" not in name:
-                self.files.add(name)
+        for folder, folders, files in os.walk(root):
+            place = Path(folder).relative_to(root)
+            folders[:] = [
+                name
+                for name in folders
+                if name[0] != "." and name != "node_modules" and place / name != RESULTS
+            ]
+            self.files |= {(place / name).as_posix() for name in folders + files}
         makefile = root / "Makefile"
         text = makefile.read_text("utf-8") if makefile.exists() else ""
         self.targets = set(re.findall(r"^([a-z-]+):", text, re.MULTILINE))
@@ -213,7 +220,11 @@ def texts(path, tree):
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and "`" in node.value:
             yield node.lineno, node.value
-    for token in tokenize.generate_tokens(io.StringIO(path.read_text("utf-8")).readline):
+    whole = path.read_text("utf-8")
+    # to read a file token by token takes ten times as long as to parse it
+    if not COMMENT_WITH_REFERENCE.search(whole):
+        return
+    for token in tokenize.generate_tokens(io.StringIO(whole).readline):
         if token.type == tokenize.COMMENT:
             yield token.start[0], token.string
 

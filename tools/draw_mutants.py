@@ -13,6 +13,7 @@ import ast
 import random
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -42,13 +43,15 @@ class Change(NamedTuple):
 def find_changes(text: str) -> Iterator[Change]:
     """Find all changes that can be made in the text of a module."""
     tree = ast.parse(text)
+    words = set(re.findall(r"\w+", text))
+    lines = text.splitlines(keepends=True)
     rows = [0]
-    for line in text.splitlines(keepends=True):
-        rows.append(rows[-1] + len(line.encode()))
-    raw = text.encode()
+    for line in lines:
+        rows.append(rows[-1] + len(line))
 
     def place(row: int, column: int) -> int:
-        return len(raw[: rows[row - 1] + column].decode())
+        # columns of the tree are counted in bytes
+        return rows[row - 1] + len(lines[row - 1].encode()[:column].decode())
 
     for node in ast.walk(tree):
         if not hasattr(node, "end_col_offset"):
@@ -83,7 +86,7 @@ def find_changes(text: str) -> Iterator[Change]:
                 for one, other in (pair, pair[::-1]):
                     partner = re.sub(f"{one}$", other, name)
                     # only a partner that the module knows
-                    if partner != name and re.search(rf"\b{partner}\b", text):
+                    if partner != name and partner in words:
                         yield Change(end - len(name), end, partner, f"{name} became {partner}")
 
 
@@ -103,13 +106,7 @@ def draw(count: int, seed: int) -> list[dict]:
     count : of defects
     seed : of the random numbers; the same seed draws the same of the same code
     """
-    places = []
-    for package in PACKAGES:
-        for file in sorted((ROOT / package).rglob("*.py")):
-            text = file.read_text("utf-8")
-            changes = sorted(set(find_changes(text)))
-            places += [(file.relative_to(ROOT), change) for change in changes]
-    drawn = random.Random(seed).sample(places, count)
+    drawn = random.Random(seed).sample(_find_places(), count)
     found = []
     for number, (file, change) in enumerate(drawn, 1):
         text = (ROOT / file).read_text("utf-8")
@@ -128,6 +125,17 @@ def draw(count: int, seed: int) -> list[dict]:
     return found
 
 
+@cache
+def _find_places() -> list[tuple[Path, Change]]:
+    """Find all changes of the product, each with its file."""
+    places = []
+    for package in PACKAGES:
+        for file in sorted((ROOT / package).rglob("*.py")):
+            changes = sorted(set(find_changes(file.read_text("utf-8"))))
+            places += [(file.relative_to(ROOT), change) for change in changes]
+    return places
+
+
 def enclose(text: str, change: Change) -> tuple[int, int]:
     """Find whole lines about a change that stand once in the text: (start, end) of them."""
     first = text.rfind("\n", 0, change.start) + 1
@@ -137,6 +145,14 @@ def enclose(text: str, change: Change) -> tuple[int, int]:
     return first, last
 
 
+@cache
+def _texts_of_tests() -> dict[Path, str]:
+    """Read all files of tests."""
+    files = sorted((ROOT / "tests").rglob("test_*.py"))
+    return {file.relative_to(ROOT): file.read_text("utf-8") for file in files}
+
+
+@cache
 def nearest_tests(file: Path) -> list[str]:
     """List the files of tests that reach a module, the nearest first, and the folder of its package."""
     module = ".".join(file.with_suffix("").parts)
@@ -145,9 +161,9 @@ def nearest_tests(file: Path) -> list[str]:
         rf"\b{re.escape(module)}\b|from {re.escape(parent)} import [^\n]*\b{re.escape(stem)}\b"
     )
     found = []
-    for test in sorted((ROOT / "tests").rglob("test_*.py")):
-        if named.search(test.read_text("utf-8")):
-            found.append(test.relative_to(ROOT))
+    for test, text in _texts_of_tests().items():
+        if named.search(text):
+            found.append(test)
     own = Path("tests", *file.parts[:-1])
     found.sort(key=lambda test: (not test.is_relative_to(own), str(test)))
     names = [str(test) for test in found[:MOST_FILES]]
