@@ -1,5 +1,7 @@
 """Patches of solid yarns that several tests use."""
 
+from functools import cache
+
 import numpy as np
 
 from fabrics import catalogue
@@ -14,8 +16,9 @@ FABRIC = catalogue.load("S-720")
 SHOT = Projectile(mass=0.11e-3, radius=1.5e-3, shape="sphere", friction=0.1)
 
 
+@cache
 def woven(count=(3, 3), size=(2, 2, 1)):
-    """A mesh of S-720."""
+    """A mesh of S-720, made once a process: nobody writes to it."""
     return patch.build(FABRIC, count, size=size)
 
 

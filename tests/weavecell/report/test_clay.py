@@ -24,7 +24,7 @@ from weavecell.results.impact_shapes import Cut, Shape
 
 CLAY = backings.load("Roma Plastilina No. 1")
 BLOCK = Backing(CLAY, size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
-QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 30e-6, "snapshot_interval": 10e-6}
+QUICK = {"opening": 0.0305, "table_size": 61, "end_time": 30e-6, "snapshot_interval": 10e-6}
 
 
 @pytest.fixture(scope="module", params=["quarter", "whole"])
