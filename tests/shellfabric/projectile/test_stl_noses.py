@@ -85,9 +85,10 @@ CONE = pytest.mark.xfail(
 )
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=CONE if n == "cone" else ()) for n in stl_noses.NOSES]
-)
+MARKS = {"cone": CONE} | dict.fromkeys(("flat", "sphere", "chisel"), pytest.mark.slow(10))
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=MARKS.get(n, ())) for n in stl_noses.NOSES])
 def test_a_shot_from_an_stl_file_is_the_analytic_one(tmp_path, name):
     """Peak force, deflection, absorbed energy and residual velocity within 1 %, below and above the ballistic limit.
     The error of the energy balance stays what it is."""

@@ -79,6 +79,7 @@ def test_the_pull_is_in_equilibrium(whole, s720):
     assert forces[ends, 0].sum() == pytest.approx(-P, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_platens_press_the_yarns_together(whole, s720):
     """The contact force before the pull is that of the platens; in sliding, friction is Coulomb's share of it."""
     pressure = 0.5e6

@@ -64,7 +64,14 @@ def test_the_fitted_range_holds_the_forces_of_shots(found, s720):
     assert checks["contact force over fitted range"].value < 1
 
 
-@pytest.mark.parametrize("name", ["uhmwpe-1760", "e-glass-300", "aramid-3300"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("uhmwpe-1760", marks=pytest.mark.slow),
+        "e-glass-300",
+        pytest.param("aramid-3300", marks=pytest.mark.slow),
+    ],
+)
 def test_a_fabric_of_a_family_is_pressed_to_one_and_a_half_times_its_limit(name):
     """Their shots press harder than 1.2 times the failure strain does, which is 1.16 to 1.19 times the force."""
     file = Path(__file__).parents[2] / "weavecell" / "own_fabrics" / f"{name}.toml"

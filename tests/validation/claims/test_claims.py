@@ -18,17 +18,35 @@ TIMED = (
 )
 
 
-# many shots that claims beside them fire too: at six of its sixteen speeds, and without snapshots
-MANY_SHOTS = ("impact1-failure-zone-by-speed", "shear-max-below-lock")
+# [CPU s] of claims of many shots. Claims that share these stand here together: the first one fires them, whichever
+# it is. Not here are those whose shots others fire too that are not slow: to leave them out saves nothing.
+SECONDS = {
+    "impact1-failure-zone-by-speed": 10,
+    "impact1-failure-sooner-when-faster": 8,
+    "shear-max-below-lock": 10,
+    "impact1-bounds-s731": 8,
+    "impact1-bounds-s731-ke": 8,
+    "impact1-bounds-s728": 3,
+    "impact1-bounds-s728-ke": 3,
+    "cell-bounds-as-fallback": 4,
+    "wave-crimp-slows-C": 12,
+    "wave-crimp-slows-U": 12,
+    "wave-crimp-steeper-cone": 12,
+    "wave-sqrt2": 4,
+    "slip-width-length": 8,
+    "slip-pressure": 8,
+    "cost-iterations-edge": 6,
+    "failmode-newton-contact-loss": 6,
+    "impact1-quarter-symmetry": 5,
+    "cell-bending-option": 4,
+}
 
 
 def marked(claim):
     """A claim as a case; a test of a long one is slow."""
     marks = ()
-    if runner.is_long(claim):
-        marks = pytest.mark.slow(60)
-    elif claim.id in MANY_SHOTS:
-        marks = pytest.mark.slow(10)
+    if runner.is_long(claim) or claim.id in SECONDS:
+        marks = pytest.mark.slow(SECONDS.get(claim.id, 60))
     return pytest.param(claim, id=claim.id, marks=marks)
 
 
