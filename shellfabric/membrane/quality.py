@@ -513,10 +513,10 @@ def _echo(solver, cut_yarns):
     time = solver.sample("t")
     before = float(np.interp(back, time, cut_yarns))
     share = 1.0 - before / float(cut_yarns[-1])
-    first = float(time[np.argmax(cut_yarns > 0)])
+    last = float(time[np.argmax(cut_yarns == cut_yarns[-1])])
     found = judge_echo(share, solver.panel.projectile.body == "metal")
-    words = f"back after {1e6 * back:.0f} us; first cut after {1e6 * first:.0f} us, "
-    words += f"an opening of {1e3 * 2 * wave * first:.0f} mm would do, or free edges"
+    words = f"back after {1e6 * back:.0f} us, cuts go on to {1e6 * last:.0f} us: in "
+    words += f"an opening of {1e3 * wave * last:.0f} mm it would be back after them, with free edges never"
     return [replace(found, meaning=f"{found.meaning}; {words}")]
 
 
