@@ -15,6 +15,9 @@ compression is one of the resultant, to which it is fitted in 3D; the yarns stor
 so that forces are the gradient of W with any law. The equilibrium form presses at the crossing
 alone, q = 1.
 
+Yarns that are straight from crossing to crossing (`yarn_kernels`) press at the crossing alone too:
+both forms then have one F, that of q = 1, and differ in the forces N.
+
 Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes
 where
 
@@ -30,8 +33,12 @@ from shellfabric.cell.yarn_kernels import (
     arc,
     arc_curvature,
     free_height,
+    lone_yarn,
+    straight_arc,
+    straight_curvature,
+    straight_free_height,
+    strain_energy,
     tension,
-    yarn_alone,
 )
 from shellfabric.jit.compile import entry, kernel
 
@@ -66,21 +73,47 @@ def work_share(form):
 
 
 @kernel()
-def contact_force(w, h, S0, EA, form):
+def share_of_work(crossover):
+    """Return q of a crossover."""
+    if crossover.straight:
+        return 1.0
+    return work_share(crossover.form)
+
+
+@kernel()
+def length(w, h, crossover):
+    """Compute the length S of a centreline of height h, and dS/dh."""
+    if crossover.straight:
+        return straight_arc(w, h)
+    return arc(w, h)
+
+
+@kernel()
+def slack_height(w, S0, crossover):
+    """Compute the height at which a yarn has its own length S0; 0 if it is stretched flat."""
+    if crossover.straight:
+        return straight_free_height(w, S0)
+    return free_height(w, S0)
+
+
+@kernel()
+def contact_force(w, h, yarn, crossover):
     """Compute the contact force of one yarn at height h, its slope dF/dh, and the tension."""
-    S, dS = arc(w, h)
-    T, dT = tension(S, dS, S0, EA)
-    if form == EQUILIBRIUM:
+    S, dS = length(w, h, crossover)
+    T, dT = tension(S, dS, yarn)
+    if crossover.straight:
+        return T * dS, dT * dS + T * straight_curvature(w, h), T
+    if crossover.form == EQUILIBRIUM:
         k = 0.5 * math.pi * h / w
         root = math.sqrt(1.0 + k * k)
         sine = k / root
         return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
-    q = work_share(form)
+    q = work_share(crossover.form)
     return T * dS / q, (dT * dS + T * arc_curvature(w, h)) / q, T
 
 
 @kernel()
-def height(w, F, yarn, lowest, form):
+def height(w, F, yarn, lowest, crossover):
     """Solve for the height at which the yarn carries the contact force F > 0, from its free height
     `lowest`, and the slope dh/dF.
 
@@ -88,12 +121,12 @@ def height(w, F, yarn, lowest, form):
     """
     low = lowest
     high = lowest + 0.05 * w
-    while contact_force(w, high, yarn.S0, yarn.EA, form)[0] < F:
+    while contact_force(w, high, yarn, crossover)[0] < F:
         low = high
         high = 2.0 * high
     h = high
     for _ in range(_MAX_STEPS):
-        force, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
+        force, slope, _ = contact_force(w, h, yarn, crossover)
         if force > F:
             high = h
         else:
@@ -104,7 +137,7 @@ def height(w, F, yarn, lowest, form):
             h = 0.5 * (low + high)
         if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
             break
-    return h, 1.0 / contact_force(w, h, yarn.S0, yarn.EA, form)[1]
+    return h, 1.0 / contact_force(w, h, yarn, crossover)[1]
 
 
 @kernel()
@@ -130,8 +163,8 @@ def residual(F, w, free, crossover):
     """Compute r(F) and its slope; w, free : (warp, weft) half lengths and free heights."""
     warp = crossover.warp
     weft = crossover.weft
-    h1, c1 = height(w[0], F, warp, free[0], crossover.form)
-    h2, c2 = height(w[1], F, weft, free[1], crossover.form)
+    h1, c1 = height(w[0], F, warp, free[0], crossover)
+    h2, c2 = height(w[1], F, weft, free[1], crossover)
     d1, e1 = compression(F, warp.a, warp.b, warp.shift)
     d2, e2 = compression(F, weft.a, weft.b, weft.shift)
     return h1 + h2 + d1 + d2 + crossover.gap - warp.h0 - weft.h0, c1 + c2 + e1 + e2
@@ -181,14 +214,14 @@ def forces_of_cell(w, crossover, solution):
     warp = crossover.warp
     weft = crossover.weft
     F, h1, h2 = solution
-    S1, dS1 = arc(w[0], h1)
-    S2, dS2 = arc(w[1], h2)
-    T1, _ = tension(S1, dS1, warp.S0, warp.EA)
-    T2, _ = tension(S2, dS2, weft.S0, weft.EA)
-    W = 0.5 * T1 * (S1 - warp.S0) + 0.5 * T2 * (S2 - weft.S0)
+    S1, dS1 = length(w[0], h1, crossover)
+    S2, dS2 = length(w[1], h2, crossover)
+    T1, _ = tension(S1, dS1, warp)
+    T2, _ = tension(S2, dS2, weft)
+    W = strain_energy(S1, warp) + strain_energy(S2, weft)
     stored = compression_energy(F, warp.a, warp.b, warp.shift)
     stored += compression_energy(F, weft.a, weft.b, weft.shift)
-    W += work_share(crossover.form) * stored
+    W += share_of_work(crossover) * stored
     N1 = T1
     N2 = T2
     if crossover.form == VARIATIONAL:
@@ -208,17 +241,17 @@ def cell(stretch1, stretch2, crossover, guess):
     """
     warp = crossover.warp
     weft = crossover.weft
-    alone1, energy1 = yarn_alone(stretch1, warp.w, warp.S0, warp.EA)
-    alone2, energy2 = yarn_alone(stretch2, weft.w, weft.S0, weft.EA)
+    alone1, energy1 = lone_yarn(stretch1, warp)
+    alone2, energy2 = lone_yarn(stretch2, weft)
     w = stretch1 * warp.w, stretch2 * weft.w
-    free = free_height(w[0], warp.S0), free_height(w[1], weft.S0)
+    free = slack_height(w[0], warp.S0, crossover), slack_height(w[1], weft.S0, crossover)
     F = 0.0
     if crossover.coupled:
         F = closing_force(w, free, crossover, guess)
     if F == 0.0:
         return alone1, alone2, alone1, alone2, 0.0, free[0], free[1], energy1 + energy2
-    h1 = height(w[0], F, warp, free[0], crossover.form)[0]
-    h2 = height(w[1], F, weft, free[1], crossover.form)[0]
+    h1 = height(w[0], F, warp, free[0], crossover)[0]
+    h2 = height(w[1], F, weft, free[1], crossover)[0]
     return forces_of_cell(w, crossover, (F, h1, h2))
 
 

@@ -25,9 +25,10 @@ from shellfabric.cell.crossover_kernels import (
     filled_height,
     forces_of_cell,
     may_part,
+    slack_height,
     work_share,
 )
-from shellfabric.cell.yarn_kernels import elliptic, free_height, tension, yarn_alone
+from shellfabric.cell.yarn_kernels import elliptic, lone_yarn, tension
 from shellfabric.jit.compile import entry, kernel
 
 _MAX_STEPS = 12
@@ -35,18 +36,18 @@ _SMALL = 1e-9  # relative step after which the error, which is of its square, is
 
 
 @kernel()
-def force_at_height(w, h, yarn, form):
+def force_at_height(w, h, yarn, crossover):
     """Compute the contact force of a yarn at the height h and its slope: those of `contact_force`,
     with one elliptic integral."""
-    if form != VARIATIONAL or h <= 0.0:
-        F, slope, _ = contact_force(w, h, yarn.S0, yarn.EA, form)
+    if crossover.straight or crossover.form != VARIATIONAL or h <= 0.0:
+        F, slope, _ = contact_force(w, h, yarn, crossover)
         return F, slope
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
     dS = -2.0 * K_minus_E / k
-    T, dT = tension(4.0 * w / math.pi * E, dS, yarn.S0, yarn.EA)
+    T, dT = tension(4.0 * w / math.pi * E, dS, yarn)
     slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
-    q = work_share(form)
+    q = work_share(crossover.form)
     return T * dS / q, slope / q
 
 
@@ -59,8 +60,8 @@ def close_cell(w, free, crossover, start):
     weft = crossover.weft
     full = filled_height(crossover) - crossover.gap
     for _ in range(_MAX_STEPS):
-        F1, s1 = force_at_height(w[0], h1, warp, crossover.form)
-        F2, s2 = force_at_height(w[1], h2, weft, crossover.form)
+        F1, s1 = force_at_height(w[0], h1, warp, crossover)
+        F2, s2 = force_at_height(w[1], h2, weft, crossover)
         d1, e1 = compression(F, warp.a, warp.b, warp.shift)
         d2, e2 = compression(F, weft.a, weft.b, weft.shift)
         if not (s1 > 0.0 and s2 > 0.0):
@@ -91,13 +92,13 @@ def fill(stretches1, stretches2, crossover, out):
     alone2 = np.empty(n2)
     stored2 = np.empty(n2)
     for j in range(n2):
-        free2[j] = free_height(stretches2[j] * weft.w, weft.S0)
-        alone2[j], stored2[j] = yarn_alone(stretches2[j], weft.w, weft.S0, weft.EA)
+        free2[j] = slack_height(stretches2[j] * weft.w, weft.S0, crossover)
+        alone2[j], stored2[j] = lone_yarn(stretches2[j], weft)
     parts = may_part(crossover)
     full = filled_height(crossover)
     for i in range(stretches1.size):
-        free1 = free_height(stretches1[i] * warp.w, warp.S0)
-        alone1, stored1 = yarn_alone(stretches1[i], warp.w, warp.S0, warp.EA)
+        free1 = slack_height(stretches1[i] * warp.w, warp.S0, crossover)
+        alone1, stored1 = lone_yarn(stretches1[i], warp)
         last = (-1.0, 0.0, 0.0)
         guess = 1.0
         for j in range(n2):

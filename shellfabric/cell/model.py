@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from shellfabric.cell.state import CellYarn, Crossover
 
 FORMS = {"equilibrium": kernels.EQUILIBRIUM, "variational": kernels.VARIATIONAL}
 MODELS = ("compressible", "incompressible", "decoupled")
+CENTRELINES = ("cosine", "straight")
 _CLOSED = 1e-3  # stretch of a cell that has closed up
 COLUMNS = ("T1", "T2", "N1", "N2", "F", "h1", "h2", "W")
 
@@ -52,6 +54,10 @@ class CellModel:
         alpha of the thesis; forces T). The default is the variational one for its energy: what its
         forces do is what the cell stores. The forces of equilibrium are no gradient, and do work
         that nothing stores
+    centreline : "cosine" (thesis eq. 4-1), of yarns that touch along most of their length, or
+        "straight" from crossing to crossing (Kawabata), of a loose weave
+    slack : (warp, weft) [-] strain by which the foot of a yarn's tension curve lies off
+        (`yarn_kernels`); 0 is the straight line of the fabric's data
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength;
         above 1 where yarns do not fail, since forces beyond a table follow its last cell and may
         grow without bound
@@ -66,12 +72,17 @@ class CellModel:
     crossover_gap: float = 0.0
     cell_model: str = "compressible"
     cell_formulation: str = "variational"
+    centreline: str = "cosine"
+    slack: tuple[float, float] = (0.0, 0.0)
     reach: float = 1.0
 
     def __post_init__(self):
-        for key, known in (("cell_model", MODELS), ("cell_formulation", FORMS)):
-            if getattr(self, key) not in known:
-                refuse(self, key, " or ".join(known))
+        known = {"cell_model": MODELS, "cell_formulation": FORMS, "centreline": CENTRELINES}
+        for key, names in known.items():
+            if getattr(self, key) not in names:
+                refuse(self, key, " or ".join(names))
+        if not all(0 <= one < 1 for one in self.slack):
+            refuse(self, "slack", "at least 0 and below 1, of warp and weft")
         if not 1 <= self.reach < np.inf:
             refuse(self, "reach", "at least 1")
         if not 0 <= self.crossover_gap <= sum(self.h0):
@@ -91,7 +102,10 @@ class CellModel:
     @property
     def h0(self) -> tuple[float, ...]:
         """[m] heights at rest of warp and weft."""
-        return self.fabric.weave.h0
+        weave = self.fabric.weave
+        if self.centreline == "cosine":
+            return weave.h0
+        return tuple(sqrt((S0 / 2) ** 2 - w**2) for w, S0 in zip(weave.w, weave.S0))
 
     @property
     def yarns(self) -> tuple[CellYarn, ...]:
@@ -106,6 +120,7 @@ class CellModel:
                 w=weave.w[m],
                 S0=weave.S0[m],
                 EA=weave.yarns[m].EA,
+                slack=self.slack[m],
                 h0=self.h0[m],
                 a=law.a,
                 b=law.b,
@@ -119,7 +134,10 @@ class CellModel:
         nothing, at stretches of the cell."""
         yarn = self.yarns[family]
         longer = np.maximum(2 * yarn.w * np.asarray(stretch, float) - yarn.S0, 0)
-        return yarn.EA * longer / yarn.S0
+        T = yarn.EA * longer / yarn.S0
+        if not yarn.slack:
+            return T
+        return T + yarn.EA * yarn.slack * np.expm1(-longer / (yarn.S0 * yarn.slack))
 
     def solve(self, stretch1: ArrayLike, stretch2: ArrayLike) -> dict:
         """Solve the cell at given stretches.
@@ -173,11 +191,14 @@ class CellModel:
         weft."""
         weave = self.fabric.weave
         bounds = []
-        for w, S0, yarn, crossing in zip(weave.w, weave.S0, weave.yarns, weave.yarns[::-1]):
+        for m, (yarn, crossing) in enumerate(zip(weave.yarns, weave.yarns[::-1])):
+            w = weave.w[m]
+            S0 = weave.S0[m]
             lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure
             # test is inside
-            bounds.append((lowest, S0 / (2 * w) * (1 + 1.02 * self.reach * yarn.failure_strain)))
+            furthest = 1.02 * self.reach * yarn.failure_strain + self.slack[m]
+            bounds.append((lowest, S0 / (2 * w) * (1 + furthest)))
         return tuple(bounds)
 
     def _contact_loss(self, w, S0):
@@ -192,6 +213,8 @@ class CellModel:
         if full >= S0 / 2:
             return 0.0
         straight = S0 / (2 * w)
+        if self.centreline == "straight":
+            return sqrt((S0 / 2) ** 2 - full**2) / w
         too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
         if too_long(_CLOSED) >= 0:
             return 0.0
@@ -215,6 +238,7 @@ class CellModel:
             gap=self.crossover_gap,
             form=FORMS[self.cell_formulation],
             coupled=self.cell_model != "decoupled",
+            straight=self.centreline == "straight",
         )
 
 

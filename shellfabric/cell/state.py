@@ -9,6 +9,9 @@ class CellYarn(Row):
     w = number("m", "half length of the cell at rest")
     S0 = number("m", "length of the yarn in it at rest")
     EA = number("N", "axial stiffness")
+    slack = number(
+        "-", "strain by which the foot of its tension curve lies off; 0: a straight line"
+    )
     h0 = number("m", "height at rest")
     a = number("m", "law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12); 0: none")
     b = number("m N^(1/3)", "factor in it")
@@ -23,3 +26,4 @@ class Crossover(Row):
     gap = number("m", "between the yarns at rest")
     form = integer("-", "formulation, see `cell.crossover_kernels`")
     coupled = flag("whether the yarns press on each other")
+    straight = flag("whether centrelines are straight from crossing to crossing, else cosines")

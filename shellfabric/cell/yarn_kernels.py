@@ -1,8 +1,14 @@
-"""One yarn of the crossover's cell: the length of its cosine, and its tension. All yarns have the
+"""One yarn of the crossover's cell: the length of its centreline, and its tension. All yarns have the
 half length w.
 
-With k = pi h / 2 w:  S = (4 w / pi) E(-k^2)          (thesis eqs. 4-1, 4-3)
-Tension at the strain e = (S - S0) / S0: EA e         (eq. 4-7)
+Cosine, with k = pi h / 2 w:    S = (4 w / pi) E(-k^2)    (thesis eqs. 4-1, 4-3)
+Straight to the next crossing:  S = 2 sqrt(w^2 + h^2)     (Kawabata, Niwa and Kawai 1973)
+
+Tension at the strain e = (S - S0) / S0:    EA e          (eq. 4-7)
+With a foot of the width s, the slack:      EA (e - s (1 - exp(-e / s)))
+
+The curve with a foot begins without stiffness, as fibres that are not parallel yet, and goes over
+into the straight line EA (e - s).
 """
 
 import math
@@ -58,8 +64,29 @@ def arc_curvature(w, h):
 
 
 @kernel()
+def straight_arc(w, h):
+    """Compute S and dS/dh of a yarn that is straight from crossing to crossing."""
+    side = math.sqrt(w * w + h * h)
+    return 2.0 * side, 2.0 * h / side
+
+
+@kernel()
+def straight_curvature(w, h):
+    """Compute d2S/dh2 of the same."""
+    side = math.sqrt(w * w + h * h)
+    return 2.0 * w * w / side**3
+
+
+@kernel()
+def straight_free_height(w, S0):
+    """Compute the height at which the same has its own length S0; 0 if it is stretched flat."""
+    half = 0.5 * S0
+    return math.sqrt(max((half - w) * (half + w), 0.0))
+
+
+@kernel()
 def free_height(w, S0):
-    """Compute the height at which the yarn has its own length S0, without tension; 0 if it is
+    """Compute the height at which a cosine has the yarn's own length S0, without tension; 0 if it is
     stretched straight."""
     excess = S0 / (2.0 * w) - 1.0
     if excess <= 0.0:
@@ -76,9 +103,35 @@ def free_height(w, S0):
 
 
 @kernel()
-def tension(S, dS, S0, EA):
+def tension(S, dS, yarn):
     """Compute T of a yarn of the length S >= S0, and its slope where S has the slope dS."""
-    return EA * (S - S0) / S0, EA * dS / S0
+    T = yarn.EA * (S - yarn.S0) / yarn.S0
+    slope = yarn.EA * dS / yarn.S0
+    if yarn.slack > 0.0:
+        missing = math.expm1((yarn.S0 - S) / (yarn.S0 * yarn.slack))
+        T += yarn.EA * yarn.slack * missing
+        slope *= -missing
+    return T, slope
+
+
+@kernel()
+def strain_energy(S, yarn):
+    """Compute the energy of a yarn of the length S >= S0: the work of its tension from S0 on."""
+    longer = S - yarn.S0
+    W = 0.5 * (yarn.EA * longer / yarn.S0) * longer
+    if yarn.slack > 0.0:
+        foot = yarn.S0 * yarn.slack
+        W -= yarn.EA * yarn.slack * (longer + foot * math.expm1(-longer / foot))
+    return W
+
+
+@kernel()
+def lone_yarn(stretch, yarn):
+    """Compute tension and energy of a yarn of the cell that crosses nothing."""
+    S = 2.0 * stretch * yarn.w
+    if S <= yarn.S0:
+        return 0.0, 0.0
+    return tension(S, 0.0, yarn)[0], strain_energy(S, yarn)
 
 
 @kernel()

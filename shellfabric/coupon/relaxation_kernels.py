@@ -25,7 +25,7 @@ import math
 
 import numpy as np
 
-from shellfabric.cell.crossover_kernels import yarn_alone
+from shellfabric.cell.yarn_kernels import yarn_alone
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.membrane.trellis_kernels import trellis_law
 

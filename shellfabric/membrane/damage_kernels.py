@@ -8,7 +8,7 @@ edge by edge.
 
 import numpy as np
 
-from shellfabric.cell.crossover_kernels import yarn_alone
+from shellfabric.cell.yarn_kernels import yarn_alone
 from shellfabric.jit.compile import kernel
 from shellfabric.membrane.membrane_kernels import (
     ONE,

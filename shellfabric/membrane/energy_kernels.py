@@ -7,7 +7,7 @@
 
 import numpy as np
 
-from shellfabric.cell.crossover_kernels import yarn_alone
+from shellfabric.cell.yarn_kernels import yarn_alone
 from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 from shellfabric.membrane.damage_kernels import trellis_intact_fraction, yarn_properties

@@ -36,14 +36,15 @@ def iterate(
 
     `below` : share by which it starts below them, for what rounding can do
     """
-    weave = catalogue.load(fabric).weave
-    law = catalogue.load(fabric).laws[0]
+    model = CellModel(catalogue.load(fabric), cell_formulation="equilibrium")
+    weave = model.fabric.weave
+    law = model.used_laws[0]
     w = [w0 + d for w0, d in zip(weave.w, (d1, d2))]
     h = np.array(weave.h0) * (1 - below)
     full = sum(weave.h0)
     with np.errstate(all="ignore"):
         for step in range(1, MOST + 1):
-            F, slope = zip(*(_force(*row) for row in zip(w, h, weave.S0, weave.yarns)))
+            F, slope = zip(*(_force(*row, model.crossover) for row in zip(w, h, model.yarns)))
             F = np.array(F)  # type: ignore[assignment]
             slope = np.array(slope)  # type: ignore[assignment]
             d = law.a - law.b / np.cbrt(F)
@@ -63,9 +64,9 @@ def iterate(
     return Iteration(float(F.mean()), MOST, False)  # type: ignore[attr-defined]
 
 
-def _force(w, h, S0, yarn):
+def _force(w, h, yarn, crossover):
     """F = 2 T sin(alpha) and its slope, with the sign that T has."""
-    F, slope, _ = crossover_kernels.contact_force(w, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM)
+    F, slope, _ = crossover_kernels.contact_force(w, h, yarn, crossover)
     return F, slope
 
 

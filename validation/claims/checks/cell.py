@@ -22,7 +22,7 @@ from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
-from validation.claims.readers import crimped, derivative
+from validation.claims.readers import KEVLAR, crimped, derivative
 from validation.models.cell_equations import departure
 from validation.values import Values, largest, rms
 from weavecell.studies.biaxial_path import CellPath
@@ -162,12 +162,12 @@ def sine_slope_error() -> float:
     F = 2 T sin(alpha), so that dF/dh = 2 (dT/dh sin(alpha) + T dsin(alpha)/dh), with dT/dh = EA/S0 dS/dh.
     """
     worst = 0.0
-    for w, h, S0, yarn in crimped():
-        stretched = 1.02 * w
-        F, dF, T = crossover_kernels.contact_force(
-            stretched, h, S0, yarn.EA, crossover_kernels.EQUILIBRIUM
-        )
-        dT = yarn.EA / S0 * crossover_kernels.arc(stretched, h)[1]
+    cells = [cell(name) for name in KEVLAR]
+    for model, yarn in ((model, yarn) for model in cells for yarn in model.yarns):
+        h = yarn.h0
+        stretched = 1.02 * yarn.w
+        F, dF, T = crossover_kernels.contact_force(stretched, h, yarn, model.crossover)
+        dT = yarn.EA / yarn.S0 * crossover_kernels.arc(stretched, h)[1]
         found = (0.5 * dF - dT * 0.5 * F / T) / T
         written = 4 * np.pi * stretched**2 / np.hypot(2 * stretched, np.pi * h) ** 3
         worst = max(worst, abs(found / written - 1))

@@ -1,0 +1,106 @@
+"""The cell of straight yarns, and yarns whose tension curve has a foot, against plain twins."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from fabrics import catalogue
+from fabrics.base.errors import InputError
+from fabrics.compression import CompressionLaw
+from shellfabric.cell.model import CellModel
+
+FABRIC = catalogue.load("glass-unbalanced")
+LAWS = (CompressionLaw(2.1e-4, 1.6e-4), CompressionLaw(0.9e-4, 0.7e-4))
+SLACK = (6e-4, 2e-4)
+GAP = 1.5e-5
+# [-] strains of warp and weft; crimp is 0.42 and 0.65 %
+STRAINS = [(0.004, 0.008), (0.009, 0.002), (0.006, -0.001), (0.0, 0.009)]
+
+
+def model(**changes):
+    return CellModel(FABRIC, LAWS, GAP, centreline="straight", slack=SLACK, **changes)
+
+
+def tension(m, strain):
+    """[N] by the integral of the stiffness EA (1 - exp(-e / s))."""
+    EA = FABRIC.weave.yarns[m].EA
+    return EA * quad(lambda e: 1 - np.exp(-e / SLACK[m]), 0, max(strain, 0))[0]
+
+
+def polyline(w, h):
+    return 2 * np.hypot(w, h)
+
+
+def plain_twin(strains):
+    """(T1, T2, F) of the triangle of forces at a crossing: F = 2 T h / sqrt(w^2 + h^2)."""
+    weave = FABRIC.weave
+    w = [half * (1 + strain) for half, strain in zip(weave.w, strains)]
+    rest = [np.sqrt((S0 / 2) ** 2 - half**2) for half, S0 in zip(weave.w, weave.S0)]
+
+    def pulled(m, h):
+        return tension(m, polyline(w[m], h) / weave.S0[m] - 1)
+
+    def height(m, F):
+        least = np.sqrt(max((weave.S0[m] / 2) ** 2 - w[m] ** 2, 0))
+        off = lambda h: 2 * pulled(m, h) * h / np.hypot(w[m], h) - F  # noqa: E731
+        return brentq(off, least, w[m], xtol=1e-16, rtol=1e-13)
+
+    def closing(F):
+        squeezed = sum(float(law.d(F)) for law in LAWS)
+        return height(0, F) + height(1, F) + squeezed + GAP - sum(rest)
+
+    F = brentq(closing, 1e-9, 1e3, rtol=1e-12)
+    return pulled(0, height(0, F)), pulled(1, height(1, F)), F
+
+
+@pytest.mark.parametrize("strains", STRAINS)
+def test_straight_yarns_with_feet_against_a_plain_twin(strains):
+    found = model().solve(*(1 + np.array(strains)))
+    got = [float(found[name]) for name in ("T1", "T2", "F")]
+    assert_allclose(got, plain_twin(strains), rtol=1e-7, atol=1e-9)
+    # both forms press at the crossing, and share tensions and contact force
+    other = model(cell_formulation="equilibrium").solve(*(1 + np.array(strains)))
+    assert_allclose([float(other[name]) for name in ("T1", "T2", "F")], got, rtol=1e-10)
+
+
+@pytest.mark.parametrize("centreline", ["straight", "cosine"])
+def test_forces_are_the_gradient_of_the_energy(centreline):
+    cell = CellModel(FABRIC, LAWS, GAP, centreline=centreline, slack=SLACK)
+    stretch = 1 + np.array(STRAINS[:2] + [(0.017, 0.003)]).T
+    found = cell.solve(*stretch)
+    step = 1e-6
+    for m, w in enumerate(FABRIC.weave.w):
+        moved = step * np.eye(2)[m][:, None]
+        rise = cell.solve(*(stretch + moved))["W"] - cell.solve(*(stretch - moved))["W"]
+        assert_allclose(rise / (4 * step * w), found[f"N{m + 1}"], rtol=2e-6)
+
+
+def test_the_table_is_filled_with_the_cells_own_states():
+    cell = model()
+    table = cell.table(31)
+    x, y = np.meshgrid(table.stretch1, table.stretch2, indexing="ij")
+    exact = cell.solve(x, y)
+    for name in ("T1", "T2", "N1", "W"):
+        assert_allclose(table.values[name], exact[name], atol=1e-9 * exact[name].max())
+    # at its highest stretches each yarn is past its strength even alone, in spite of its foot
+    for m, yarn in enumerate(FABRIC.weave.yarns):
+        assert cell.alone(m, (table.stretch1, table.stretch2)[m][-1]) > yarn.strength
+    at_rest = cell.solve(1.0, 1.0)
+    assert (at_rest["F"], at_rest["W"]) == (0.0, 0.0)
+
+
+def test_a_foot_shifts_the_line_by_its_width():
+    cell = CellModel(FABRIC, LAWS, slack=SLACK)
+    for m, (yarn, slack) in enumerate(zip(FABRIC.weave.yarns, SLACK)):
+        far = (1 + yarn.crimp) * (1 + 30 * slack)
+        assert float(cell.alone(m, far)) == pytest.approx(29 * slack * yarn.EA, rel=1e-9)
+        near = (1 + yarn.crimp) * (1 + 1e-3 * slack)
+        assert float(cell.alone(m, near)) == pytest.approx(5e-7 * slack * yarn.EA, rel=1e-3)
+
+
+@pytest.mark.parametrize("bad", [{"centreline": "sine"}, {"slack": (0.0, -1e-3)}])
+def test_what_is_not_allowed(bad):
+    with pytest.raises(InputError, match=next(iter(bad))):
+        CellModel(FABRIC, LAWS, **bad)
