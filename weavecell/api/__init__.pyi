@@ -7,6 +7,7 @@ from fabrics.base.errors import InputError as InputError
 from fabrics.base.errors import UndecidedError as UndecidedError
 from fabrics.base.errors import UnstableError as UnstableError
 from weavecell.api import crossover as crossover
+from weavecell.api.biaxial_fit import BiaxialFitResult as BiaxialFitResult
 from weavecell.api.biaxial_paths import BiaxialResult as BiaxialResult
 from weavecell.api.biaxial_paths import biaxial as biaxial
 from weavecell.api.calibration import CalibrationResult as CalibrationResult

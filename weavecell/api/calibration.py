@@ -32,7 +32,8 @@ from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
-from weavecell.api import meshes
+from weavecell.api import meshes, quantities
+from weavecell.api.biaxial_fit import BiaxialFitPlan, BiaxialFitResult, plan_fit
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 
 # a fit of the solid takes about so many trials; the progress bar needs a number
 TRIALS = 20
+MESH = "medium"
 SOLID_RUNS = "solid-runs"
 # [-] to which fibre fractions of the mesh and of the fabric are the same
 FRACTIONS_ALIKE = 0.02
@@ -198,22 +200,27 @@ class CalibrationPlan(Plan["CalibrationResult"]):
             )
 
 
-@command(CalibrationPlan)
+@command(CalibrationPlan, BiaxialFitPlan)
 @explain_keywords(ResumableKeywords)
 def calibrate(
     fabric: Fabric | FilePath,
     *,
-    mesh: str | float | tuple[int, int, int] = "medium",
+    mesh: str | float | tuple[int, int, int] = MESH,
     platen_curve: FilePath | None = None,
     fit_solid: bool = False,
     friction: float = 0.0,
     fibre_fraction: Literal["mesh", "stated"] | None = None,
     assumed_range: bool = True,
+    biaxial: FilePath | None = None,
+    fitted: list[str] | None = None,
+    constants: str | None = None,
+    centreline: Literal["cosine", "straight"] | None = None,
+    yarn_curve: list[str] | None = None,
     check: bool = False,
     **options: Unpack[ResumableKeywords],
-) -> CalibrationPlan:
+) -> Plan[CalibrationResult | BiaxialFitResult]:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs
-    dolfinx and PETSc.
+    dolfinx and PETSc. Or fit the law to measured biaxial tests, which needs neither.
 
     The fabric has the linear density of its data sheet. With one job and the local executor
     everything runs in this process; else in several, and a script that calls needs the guard `if
@@ -221,6 +228,11 @@ def calibrate(
 
     The curve of platen_curve is a CSV file headed, for example, "pressure [MPa], thickness [mm]":
     one ply between flat platens, loading only, at least five rows.
+
+    The file of biaxial is a CSV file headed "test, warp strain [%], weft strain [%], warp load [N],
+    weft load [N]": loads of one yarn, a row a state, the name of its test first; the strain of a
+    free direction is empty. Loads are those of the unit cell (`weavecell biaxial`); tests that are
+    not fitted are predicted.
 
     Parameters
     ----------
@@ -237,12 +249,21 @@ def calibrate(
         that of the mesh
     assumed_range : whether the law is fitted at both ends of an assumed solid law too, which
         triples the cost
+    biaxial : file of biaxial tests (``*.csv``), which the law is fitted to in place of the 3D crossover
+    fitted : name of a test of that file that is fitted, may be given again, in Python a list; all
+        if none is given
+    constants : what is fitted to them, separated by commas: a, b, h (both heights at rest), warp
+        crimp, weft crimp, start (where each test begins); "a, b" if not given
+    centreline : cosine, or straight from crossing to crossing as Kawabata has it, for loose weaves
+    yarn_curve : tensile curve of a yarn whose foot at low strain counts, FAMILY=FILE such as
+        warp=yarn.csv, or both=yarn.csv; a CSV file headed, for example, "strain [%], force [N]"; may
+        be given again, in Python a list
     check : solve nothing and write nothing: count paths and hexahedra
     **options : jobs, executor, out and resume
 
     Returns
     -------
-    CalibrationResult
+    CalibrationResult, or BiaxialFitResult with `biaxial`
 
     Raises
     ------
@@ -254,10 +275,31 @@ def calibrate(
     >>> calibrated = wc.calibrate("S-720", mesh="coarse", assumed_range=False)  # doctest: +SKIP
     >>> wc.impact("S-720", "150 m/s", law=calibrated)  # doctest: +SKIP
     """
+    Execution.refuse_others("calibrate", options)
+    of_tests = {
+        "fitted": fitted or None,
+        "constants": constants,
+        "centreline": centreline,
+        "yarn_curve": yarn_curve or None,
+    }
+    if biaxial is not None:
+        asked = mesh
+        if mesh == MESH:
+            asked = None
+        of_crossover = {
+            "mesh": asked,
+            "platen_curve": platen_curve,
+            "fit_solid": fit_solid or None,
+            "friction": friction or None,
+            "fibre_fraction": fibre_fraction,
+        }
+        where = f"with {option('biaxial', 'FILE')}, which solves no 3D crossover"
+        quantities.refuse_unused(of_crossover, where)
+        return plan_fit(fabric, biaxial, **of_tests)
+    quantities.refuse_unused(of_tests, f"without {option('biaxial', 'FILE')}")
     from unitcell3d.material.numerics import fraction_of
     from unitcell3d.model.crossover import Numerics
 
-    Execution.refuse_others("calibrate", options)
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
     fabric = meshes.resolve_fabric_for_3d(fabric)

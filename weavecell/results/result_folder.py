@@ -58,6 +58,7 @@ KINDS = {
     "compression.json": Kind("compression", "packs.csv"),
     "shot.json": Kind("shot", "motion.csv"),
     "biaxial.json": Kind("biaxial", "biaxial.csv"),
+    "biaxial-fit.json": Kind("biaxial_fit", "tests.csv"),
     "law.json": Kind("law", "paths.csv"),
     "surface.json": Kind("surface", "surface.csv"),
     "case.json": Kind("case", "case.csv"),

@@ -21,7 +21,8 @@ et al. 2008):
 
 Yarn in tension: columns "strain [%], force [N]". The straight line through the points between
 LINEAR shares of the greatest force gives E A_s and the slack at its foot; the failure strain is the
-greatest force over E A_s.
+greatest force over E A_s. With the foot itself all points up to the greatest force are fitted, by
+E A_s (e - s (1 - exp(-e / s))) (`shellfabric.cell.yarn_kernels`), s the slack.
 """
 
 from __future__ import annotations
@@ -160,12 +161,7 @@ def yarn_tension(path: FilePath) -> YarnFit:
     ------
     InputError : one line naming the file, the row, the value and what is allowed
     """
-    column = read_columns(
-        path,
-        {"strain": "", "force": "N"},
-        what="a tensile curve of a yarn",
-        example="strain [%]",
-    )
+    column = _tensile_curve(path)
     strain = column["strain"]
     force = column["force"]
     top = float(force.max(initial=0.0))
@@ -181,6 +177,46 @@ def yarn_tension(path: FilePath) -> YarnFit:
         raise InputError("the force does not rise with the strain", file=path)
     rms = float(np.sqrt(np.mean((EA * e + start - f) ** 2)))
     return YarnFit(float(EA), top / float(EA), -float(start) / float(EA), rms)
+
+
+def yarn_with_foot(path: FilePath) -> YarnFit:
+    """Fit axial stiffness, failure strain and the foot at low strain to the tensile curve of a yarn.
+
+    Parameters
+    ----------
+    path : of the CSV file
+
+    Raises
+    ------
+    InputError : one line naming the file, the row, the value and what is allowed
+    """
+    from scipy.optimize import curve_fit
+
+    line = yarn_tension(path)
+    column = _tensile_curve(path)
+    last = int(np.argmax(column["force"])) + 1
+    strain = column["strain"][:last]
+    force = column["force"][:last]
+    reach = float(strain.max())
+
+    def law(e, EA, s):
+        return EA * (e + s * np.expm1(-e / s))
+
+    bounds = ((0.0, 1e-6 * reach), (np.inf, reach))
+    start = (line.EA, float(np.clip(line.slack, 2e-6 * reach, 0.9 * reach)))
+    (EA, slack), _ = curve_fit(law, strain, force, p0=start, bounds=bounds, x_scale=start)
+    rms = float(np.sqrt(np.mean((law(strain, EA, slack) - force) ** 2)))
+    return YarnFit(float(EA), float(force[-1] / EA), float(slack), rms)
+
+
+def _tensile_curve(path):
+    """Strain [-] and force [N] of a tensile curve of a yarn."""
+    return read_columns(
+        path,
+        {"strain": "", "force": "N"},
+        what="a tensile curve of a yarn",
+        example="strain [%]",
+    )
 
 
 def name_of(path: FilePath) -> str:

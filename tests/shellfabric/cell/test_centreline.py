@@ -68,7 +68,7 @@ def test_straight_yarns_with_feet_against_a_plain_twin(strains):
 @pytest.mark.parametrize("centreline", ["straight", "cosine"])
 def test_forces_are_the_gradient_of_the_energy(centreline):
     cell = CellModel(FABRIC, LAWS, GAP, centreline=centreline, slack=SLACK)
-    stretch = 1 + np.array(STRAINS[:2] + [(0.017, 0.003)]).T
+    stretch = 1 + np.array([*STRAINS[:2], (0.017, 0.003)]).T
     found = cell.solve(*stretch)
     step = 1e-6
     for m, w in enumerate(FABRIC.weave.w):

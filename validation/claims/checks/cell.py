@@ -163,7 +163,7 @@ def sine_slope_error() -> float:
     """
     worst = 0.0
     cells = [cell(name) for name in KEVLAR]
-    for model, yarn in ((model, yarn) for model in cells for yarn in model.yarns):
+    for model, yarn in ((one, yarn) for one in cells for yarn in one.yarns):
         h = yarn.h0
         stretched = 1.02 * yarn.w
         F, dF, T = crossover_kernels.contact_force(stretched, h, yarn, model.crossover)

@@ -1,0 +1,104 @@
+"""`weavecell calibrate --biaxial`: from a file of tests to the law, its folder, and a shot with it."""
+
+import numpy as np
+import pytest
+
+import weavecell as wc
+from fabrics import catalogue
+from fabrics.compression import CompressionLaw
+from fabrics.surface import ResponseSurface
+from shellfabric.cell.model import CellModel
+from shellfabric.cell.surface_cell import SurfaceCell
+from tests.weavecell.written import names, page_of, rows_of, table_of
+from weavecell.studies.biaxial_path import to_strength
+
+CLOTH = catalogue.load("glass-unbalanced")
+LAW = CompressionLaw(1.9e-4, 1.2e-4)
+HEADING = "test, warp strain [%], weft strain [%], warp load [N], weft load [N]"
+
+
+def lines(cell, **ratios):
+    rng = np.random.default_rng(7)
+    rows = [HEADING]
+    for name, ratio in ratios.items():
+        path = to_strength(cell, ratio, 16)
+        loads = path.tension + [8.0, 1.0] * rng.standard_normal(path.tension.shape)
+        for strain, load in zip(100 * path.strain, loads):
+            rows.append(f"{name}, {strain[0]:.5f}, {strain[1]:.5f}, {load[0]:.3f}, {load[1]:.3f}")
+    return "\n".join(rows)
+
+
+def test_from_the_curves_to_a_folder_that_loads_back(succeed, tmp_path):
+    text = lines(CellModel(CLOTH, (LAW, LAW)), even=(1, 1), across=(0.5, 1))
+    (tmp_path / "curves.csv").write_text(text)
+    counted = succeed("calibrate glass-unbalanced --biaxial curves.csv --fitted even --check")
+    assert "2 tests, 1 fitted, 32 states, 2 constants" in counted
+    assert names(tmp_path) == "curves.csv"
+    out = succeed("calibrate glass-unbalanced --biaxial curves.csv --fitted even --out r")
+    assert "predicted, strains 0.5 : 1" in out
+    expected = "biaxial-fit.json curves.csv fabric-keys.toml law.json pictures report.html"
+    assert names(tmp_path / "r") == expected
+
+    told = table_of(tmp_path / "r", "biaxial-fit.json")
+    law = CompressionLaw.from_json(tmp_path / "r" / "law.json")
+    assert (told["a_m"], told["b_m_N^(1/3)"]) == (law.a, law.b)
+    assert law.a_interval[0] < LAW.a < law.a_interval[1]
+    assert law.fabric == "glass-unbalanced"
+    assert [row["name"] for row in told["constants"]] == ["a", "b"]
+    roles = [(row["name"], row["role"], row["verdict"]) for row in told["tests"]]
+    assert roles == [("even", "fitted", "agrees"), ("across", "predicted", "agrees")]
+    row = rows_of(tmp_path / "r", "curves.csv")[20]
+    assert (row["test"], row["role"]) == ("across", "predicted")
+    measured = float(row["warp load [N]"]) - float(row["warp load computed [N]"])
+    assert 0 < abs(measured) < 30
+    page = page_of(tmp_path / "r")
+    assert "Measured less computed loads" in page
+    assert "A flat profile" in page
+
+    saved = wc.load(tmp_path / "r")
+    assert saved.summary()["a_m"] == law.a
+    table = saved.to_dataframe()
+    assert table["rms_weft_N"].tolist() == [row["rms_N"][1] for row in told["tests"]]
+    # what follows takes the law
+    path = wc.biaxial("glass-unbalanced", ratio=["1:1"], law=tmp_path / "r" / "law.json")
+    assert path.summary()["law"].endswith("law.json")
+    keys = (tmp_path / "r" / "fabric-keys.toml").read_text()
+    assert f'a = {{ value = "{1e3 * law.a:.4g} mm"' in keys
+
+
+def test_a_cell_that_shots_do_not_have_is_handed_on_as_a_surface(tmp_path):
+    """Straight yarns, whose stiffness and foot are read from a tensile curve of the warp."""
+    EA = 68000.0
+    slack = 7e-4
+    e = np.linspace(0, 0.0125, 40)
+    pulled = EA * (e + slack * np.expm1(-e / slack))
+    rows = "\n".join(f"{100 * s:.6f}, {f:.5f}" for s, f in zip(e, pulled))
+    (tmp_path / "warp.csv").write_text(f"strain [%], force [N]\n{rows}\n0.9, 12\n")
+    warp = CLOTH.weave.warp
+    softer = CLOTH.with_yarns(E=(EA / warp.A_s, CLOTH.weave.weft.E))
+    cell = CellModel(softer, (LAW, LAW), centreline="straight", slack=(slack, 0.0))
+    (tmp_path / "tests.csv").write_text(lines(cell, even=(1, 1)))
+    found = wc.calibrate(
+        CLOTH,
+        biaxial=tmp_path / "tests.csv",
+        centreline="straight",
+        yarn_curve=[f"warp={tmp_path / 'warp.csv'}"],
+        out=tmp_path / "r",
+    )
+    assert found.fit.model.slack == pytest.approx((slack, 0.0), rel=1e-4)
+    yarn = found.fabric.weave.warp
+    assert yarn.EA == pytest.approx(EA, rel=1e-4)
+    assert yarn.strength == pytest.approx(pulled[-1], rel=1e-4)
+    assert found.law.a_interval[0] < LAW.a < found.law.a_interval[1]
+    assert "surface = 'surface.h5'" in str(found)
+    surface = ResponseSurface.read(tmp_path / "r" / "surface.h5")
+    table = SurfaceCell(found.fabric, surface).table(61)
+    state = found.fit.model.solve(1.009, 1.011)
+    near = [
+        int(abs(axis - 1 - x).argmin())
+        for axis, x in ((table.stretch1, 0.009), (table.stretch2, 0.011))
+    ]
+    state = found.fit.model.solve(table.stretch1[near[0]], table.stretch2[near[1]])
+    for m, limit in ((1, 850), (2, 80)):
+        read = table.values[f"N{m}"][near[0], near[1]]
+        assert read == pytest.approx(float(state[f"N{m}"]), abs=0.01 * limit)

@@ -1,0 +1,454 @@
+"""Constants of a fabric's cell fitted to measured biaxial tests: `weavecell calibrate --biaxial`.
+
+Its folder
+    biaxial-fit.json    constants with intervals and correlation, each test fitted or predicted,
+                        provenance
+    curves.csv          measured and computed loads of each test
+    law.json            the fitted law, for `law` in an input file
+    fabric-keys.toml    what of it a fabric file takes
+    surface.h5          of a cell that is no cosine of linear yarns: its forces, for `fabric.surface`
+    pictures/           tests, residuals and profiles
+    report.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fabrics.base import files
+from fabrics.base.checks import FilePath
+from fabrics.base.door import option
+from fabrics.base.errors import InputError
+from fabrics.fabric import Fabric
+from fabrics.surface import ResponseSurface
+from fabrics.variants import data_digest
+from weavecell.api.command import Plan, Running
+from weavecell.api.result import Result, figure
+from weavecell.api.run_size import WorkSize
+from weavecell.api.target import resolve_fabric
+from weavecell.report import installed
+from weavecell.results import display, json_file, one_table, out_folder
+from weavecell.results.named_value import NamedValue
+from weavecell.scenes import curves
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fabrics.compression import CompressionLaw
+    from shellfabric.cell.model import CellModel
+    from shellfabric.membrane.indicator import Indicator
+    from weavecell.studies.biaxial_fit import BiaxialFit, Comparison, Constant
+    from weavecell.studies.biaxial_tests import BiaxialTest
+
+FORMAT = "weavecell biaxial fit 1"
+TABLE = "biaxial_fit"
+SURFACE = "surface.h5"
+NAMES = (
+    "biaxial-fit.json",
+    "curves.csv",
+    "law.json",
+    "fabric-keys.toml",
+    SURFACE,
+    "pictures/tests.svg",
+    "pictures/residuals.svg",
+    "pictures/profiles.svg",
+    "report.html",
+)
+FIRST = "a, b"
+# stretches a side of the written surface: as many as resolve where contact begins
+STRETCHES = 81
+YARNS = ("warp", "weft")
+WORDS = {True: "yes", False: "no"}
+
+
+@dataclass(frozen=True)
+class BiaxialFitPlan(Plan["BiaxialFitResult"]):
+    """A fit that is about to be made.
+
+    Parameters
+    ----------
+    model : CellModel, whose constants are free
+    tests : all that the file has
+    fitted : names of those that are fitted; all if empty
+    constants : that are free
+    source : name of the file
+    """
+
+    files = NAMES
+    runs = ""
+
+    model: CellModel
+    tests: tuple[BiaxialTest, ...]
+    fitted: tuple[str, ...]
+    constants: tuple[str, ...]
+    source: str
+
+    def forecast(self) -> WorkSize:
+        """Count tests, states and constants: a fit takes a second."""
+        title = f"{self.model.fabric.name}, biaxial tests of {self.source}"
+        states = sum(len(test.load) for test in self.tests)
+        fitted = len(self.fitted) or len(self.tests)
+        amounts = {"tests": len(self.tests), "fitted": fitted, "states": states}
+        return WorkSize(title, amounts | {"constants": len(self.constants)})
+
+    def run(self, running: Running) -> BiaxialFitResult:
+        """Fit the constants."""
+        from weavecell.studies import biaxial_fit as study
+
+        fabric = self.model.fabric
+        provenance = f"fitted to the biaxial tests of {self.source}"
+        found = study.fit(self.model, self.tests, self.fitted, self.constants, provenance)
+        law = replace(found.law, fitted_data=data_digest(fabric))
+        found = replace(found, law=law)
+        return running.save(BiaxialFitResult(fabric, found, self.source, running.wall_time))
+
+
+def plan_fit(
+    fabric: Fabric | FilePath,
+    path: FilePath,
+    fitted: Sequence[str] | None,
+    constants: str | None,
+    centreline: str | None,
+    yarn_curve: Sequence[str] | None,
+) -> BiaxialFitPlan:
+    """Plan the fit to the tests of a file; the arguments are those of `calibrate`."""
+    from shellfabric.cell.model import CellModel
+    from weavecell.studies import biaxial_fit as study
+    from weavecell.studies import biaxial_tests
+
+    cloth = resolve_fabric(fabric)
+    tests = tuple(biaxial_tests.read(path))
+    names = [test.name for test in tests]
+    for name in fitted or ():
+        if name not in names:
+            raise InputError(
+                key="fitted", value=name, allowed=f"a test of {path}: {', '.join(names)}"
+            )
+    free = [part.strip() for part in (constants or FIRST).split(",")]
+    for name in free:
+        if name not in study.CONSTANTS:
+            raise InputError(key="constants", value=name, allowed=", ".join(study.CONSTANTS))
+    slack = [0.0, 0.0]
+    for text in yarn_curve or ():
+        cloth = _with_yarn_curve(cloth, text, slack)
+    model = CellModel(cloth, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
+    return BiaxialFitPlan(
+        model, tests, tuple(fitted or ()), tuple(dict.fromkeys(free)), curves.name_of(path)
+    )
+
+
+def _with_yarn_curve(fabric, text, slack):
+    """The fabric with the stiffness and failure strain of FAMILY=FILE; its slack [-] is set in
+    `slack` (warp, weft)."""
+    family, separator, path = str(text).partition("=")
+    family = family.strip()
+    if not separator or family not in (*YARNS, "both"):
+        allowed = "warp, weft or both, and a file, such as warp=yarn.csv"
+        raise InputError(key="yarn_curve", value=text, allowed=allowed)
+    fitted = curves.yarn_with_foot(path.strip())
+    pairs = {"E": [], "failure_strain": []}
+    for m, (name, yarn) in enumerate(zip(YARNS, fabric.weave.yarns)):
+        E = yarn.E
+        strain = yarn.failure_strain
+        if family in (name, "both"):
+            E = fitted.EA / yarn.A_s
+            strain = fitted.failure_strain
+            slack[m] = fitted.slack
+        pairs["E"].append(E)
+        pairs["failure_strain"].append(strain)
+    return fabric.with_yarns(**pairs)
+
+
+@dataclass(frozen=True, repr=False)
+class BiaxialFitResult(Result):
+    """Constants of a fabric's cell that were fitted to biaxial tests; the table has a row a test.
+
+    Parameters
+    ----------
+    given : Fabric as it went in
+    fit : `weavecell.studies.biaxial_fit.BiaxialFit`: constants, correlation, comparisons, profiles
+    source : name of the file of the tests
+    wall_time : [s] it took
+
+    Examples
+    --------
+    >>> path = wc.biaxial("glass-balanced", ratio=["1:1"]).paths["1:1"]
+    >>> rows = zip(100 * path.strain, path.tension)
+    >>> lines = [f"k1, {e[0]}, {e[1]}, {T[0]}, {T[1]}" for e, T in rows]
+    >>> heading = "test, warp strain [%], weft strain [%], warp load [N], weft load [N]"
+    >>> from pathlib import Path
+    >>> _ = Path("tests.csv").write_text("\\n".join([heading, *lines[::8]]))
+    >>> found = wc.calibrate("glass-balanced", biaxial="tests.csv")
+    >>> round(1e3 * found.law.a, 4), round(1e3 * found.law.b, 4)  # [mm], [mm N^(1/3)]
+    (0.075, 0.035)
+    """
+
+    given: Fabric
+    fit: BiaxialFit
+    source: str
+    wall_time: float = 0.0
+
+    _tables = (TABLE,)
+
+    @property
+    def law(self) -> CompressionLaw:
+        """Of both yarns, ready for `impact`."""
+        return self.fit.law
+
+    @property
+    def fabric(self) -> Fabric:
+        """Fabric with the fitted law, and the fitted crimps if these were free."""
+        return replace(self.fit.model.fabric, laws=(self.law, self.law))
+
+    @property
+    def tests(self) -> tuple[Comparison, ...]:
+        """Each test beside the fitted cell."""
+        return self.fit.comparisons
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        """What was fitted, with intervals."""
+        return self.fit.constants
+
+    @property
+    def correlation(self) -> list[list[float]]:
+        """[-] of the constants with each other, rows in their order."""
+        return self.fit.correlation.tolist()
+
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Whether cosines suit the weave, the tests determine the constants, residuals are noise, and
+        predictions agree."""
+        return self.fit.checks
+
+    @property
+    def is_of_shots(self) -> bool:
+        """Whether a shot has this very cell with law.json alone: cosines of linear yarns without
+        play."""
+        model = self.fit.model
+        return model.centreline == "cosine" and not any(model.slack) and not model.crossover_gap
+
+    @cached_property
+    def surface(self) -> ResponseSurface:
+        """The forces of the fitted cell over both strains, for `fabric.surface` of a shot."""
+        model = self.fit.model
+        axes = [np.linspace(low, high, STRETCHES) for low, high in model.range()]
+        found = model.solve_grid(*axes)
+        d1, d2 = ((axis - 1) * w for axis, w in zip(axes, model.fabric.weave.w))
+        return ResponseSurface(
+            d1,
+            d2,
+            T1=found["N1"],
+            T2=found["N2"],
+            F_c=found["F"],
+            h1=found["h1"],
+            h2=found["h2"],
+            fabric=model.fabric.name,
+            provenance=self.law.provenance,
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Return the entries of biaxial-fit.json, of lists their lengths, and the checks."""
+        facts = one_table.facts(self, TABLE)
+        return facts | {"checks": self.checks_text} | self._what_is_assumed()
+
+    def _columns(self):
+        return one_table.columns(self.tests, TABLE, "tests")
+
+    def plot(self) -> Figure:
+        """Draw a matplotlib figure: measured and computed loads against the strains."""
+        from weavecell.report import pictures_biaxial
+
+        return figure(pictures_biaxial.draw_tests, self.fit, self.title)
+
+    @property
+    def title(self) -> str:
+        """Of the picture and the page."""
+        return f"{self.given.name}: biaxial tests of {self.source}"
+
+    def _list_constants(self):
+        """[(name, (NamedValue,))] of what was fitted."""
+        return [
+            (one.name, NamedValue(one.name, one.value, one.unit, one.low, one.high, margin=".3g"))
+            for one in self.constants
+        ]
+
+    def _correlated(self):
+        """(first, second, [-]) of the pair of constants that are most alike; None of one alone."""
+        names = [one.name for one in self.constants]
+        if len(names) < 2:
+            return None
+        off = np.abs(np.triu(self.fit.correlation, 1))
+        first, second = np.unravel_index(int(off.argmax()), off.shape)
+        return names[first], names[second], float(self.fit.correlation[first, second])
+
+    def __str__(self) -> str:
+        lines = []
+        for name, constant in self._list_constants():
+            lines.append((name, f"{constant.text()} ({constant.interval()}, 95 %)"))
+        pair = self._correlated()
+        if pair is not None:
+            lines.append(("correlation", f"{pair[2]:.3f} of {pair[0]} and {pair[1]}"))
+        for one in self.tests:
+            lines.append((f"test {one.name}", self._say_test(one)))
+        loose = [one.name for one in self.fit.undetermined]
+        if loose:
+            text = f"the fitted tests do not determine {', '.join(loose)}: another ratio, or fewer constants"
+            lines.append(("note", text))
+        if not self.is_of_shots:
+            text = f"shots have this cell with surface = {SURFACE!r} in place of the law"
+            lines.append(("note", text))
+        width = max(13, *(len(name) for name, _ in lines))
+        told = [f"{name:<{width}} {text}" for name, text in lines]
+        return "\n".join((*told, *self._closing_lines()))
+
+    def _say_test(self, one):
+        """What became of a test."""
+        rms = display.number(one.rms, "N", ".3g").replace(", ", " / ")
+        share = display.number(one.shares, "%", ".2g").replace(", ", " / ")
+        text = f"{one.role}, strains {one.ratio}: rms {rms} N, {share} % of the greatest load"
+        if one.fitted:
+            if one.start:
+                text += f"; begins {100 * one.start:.3g} % too late"
+            return text
+        own = display.number(one.rms_at_own_start, "N", ".3g").replace(", ", " / ")
+        return f"{text}: {one.verdict}; begun {100 * one.own_start:+.3f} % later {own} N"
+
+    def content(self) -> dict[str, Any]:
+        """Return what biaxial-fit.json holds, without provenance."""
+        from weavecell.report import checks
+
+        lists = {
+            "tests": one_table.records(self.tests, TABLE, "tests"),
+            "constants": one_table.records(self.constants, TABLE, "constants"),
+        }
+        facts = one_table.facts(self, TABLE) | lists
+        return {"format": FORMAT, **facts, **checks.summary(self.checks), **self._what_is_assumed()}
+
+    def curves(self) -> str:
+        """Return curves.csv: measured and computed loads at each state."""
+        from pandas import DataFrame, concat
+
+        tables = []
+        for one in self.tests:
+            columns: dict[str, Any] = {"test": one.name, "role": one.role}
+            for m, name in enumerate(YARNS):
+                columns[f"{name} strain [-]"] = one.test.strain[:, m]
+            for m, name in enumerate(YARNS):
+                columns[f"{name} load [N]"] = one.test.load[:, m]
+                columns[f"{name} load computed [N]"] = one.computed[:, m]
+            tables.append(DataFrame(columns))
+        return concat(tables).to_csv(index=False, float_format="%.8g")
+
+    def fabric_keys(self) -> str:
+        """Return fabric-keys.toml: law and crimps as a fabric file has them."""
+        lines = [f"# from {self.source} by `weavecell calibrate {option('biaxial', '').strip()}`"]
+        values = self.fit.values
+        for name in YARNS:
+            if f"{name} crimp" in values:
+                lines += [f"[{name}]", self._key("crimp", values[f"{name} crimp"]), ""]
+        lines.append("[compression]")
+        for name in ("a", "b"):
+            if name in values:
+                lines.append(self._key(name, values[name]))
+        return "\n".join(lines) + "\n"
+
+    def _key(self, key, constant):
+        unit, factor = display.choose_unit(constant.unit)
+        unit = unit.replace("mm N", "mm * N")
+        numbers = [constant.value, constant.low, constant.high]
+        value, low, high = (f"{factor * number:.4g}" for number in numbers)
+        origin = f"{self.source}, 95 %: {low} to {high} {unit}"
+        return f'{key} = {{ value = "{value} {unit}", source = "{origin}", status = "fitted" }}'
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of this module to a folder."""
+        with out_folder.hold(out, NAMES):
+            self._write(Path(out))
+
+    def _write(self, folder):
+        from weavecell.report import chapters, checks, page
+        from weavecell.results import provenance
+
+        stamp = provenance.stamp("", self.given)
+        json_file.write(folder / "biaxial-fit.json", self.content() | {"provenance": stamp})
+        files.write(folder / "curves.csv", self.curves())
+        files.write(folder / "fabric-keys.toml", self.fabric_keys())
+        if not self.is_of_shots:
+            self.surface.write(folder / SURFACE)
+        if installed.can_draw():
+            section = self._section()
+            page.write_pictures([section], folder / "pictures")
+            lead = (
+                "The unit cell of the fabric at the strains of measured tests: constants are fitted to the chosen "
+                "tests, the others are predicted."
+            )
+            own = self.given.laws
+            card = chapters.law_card(self.law, own and own[0], "fitted to biaxial tests")
+            sections = (section, checks.section(self.checks))
+            seconds = {"fit": self.wall_time}
+            chapters.write(
+                folder, self.title, lead, (self.fabric,), (card,), sections, stamp, seconds
+            )
+        # law.json comes last: a folder that has it is complete
+        self.law.to_json(folder / "law.json")
+
+    def _section(self):
+        from weavecell.report import pictures, pictures_biaxial
+        from weavecell.report.page import Section, Table
+
+        drawn = [
+            pictures.draw_figure(
+                "tests",
+                "Load of a yarn against the strain along it: points measured, lines the fitted cell, dashed if "
+                "predicted.",
+                pictures_biaxial.draw_tests,
+                self.fit,
+                "",
+            ),
+            pictures.draw_figure(
+                "residuals",
+                "Measured less computed loads. Waves in place of noise are what this cell cannot follow.",
+                pictures_biaxial.draw_residuals,
+                self.fit,
+            ),
+        ]
+        if self.fit.profiles:
+            caption = (
+                "Rise of the least sum of squares about a constant, the others fitted again; dotted: the interval of "
+                "95 %. A flat profile is a constant that the tests do not determine."
+            )
+            picture = pictures.draw_figure(
+                "profiles", caption, pictures_biaxial.draw_profiles, self.fit
+            )
+            drawn.append(picture)
+        tables = (
+            Table.from_frame(self._constants_table(), "Fitted constants"),
+            Table.from_frame(self._labelled_columns(), "Tests"),
+        )
+        points = tuple(str(self).splitlines()[len(self.constants) :])
+        return Section("tests", "Measured and computed", "", tuple(drawn), tables, points)
+
+    def _constants_table(self):
+        """Constants with intervals and correlations, as a DataFrame."""
+        from pandas import DataFrame
+
+        table = []
+        for k, (_, constant) in enumerate(self._list_constants()):
+            low, high = constant.ends()
+            row = {
+                "constant": constant.heading,
+                "value": display.number(constant.value, constant.unit),
+                "95 %": f"{low} to {high}",
+                "determined": WORDS[self.constants[k].determined],
+            }
+            for other, alike in zip(self.constants, self.fit.correlation[k]):
+                row[f"correlation with {other.name}"] = f"{alike:.3f}"
+            table.append(row)
+        return DataFrame(table)
