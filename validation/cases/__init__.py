@@ -9,6 +9,7 @@ from validation.values import Values
 
 MODULES = (
     "impact",
+    "biaxial",
     "cell",
     "coupons",
     "block",
@@ -42,6 +43,8 @@ def _module(name):
     match name:
         case "impact":
             from validation.cases import impact as module
+        case "biaxial":
+            from validation.cases import biaxial as module
         case "cell":
             from validation.cases import cell as module
         case "coupons":

@@ -54,6 +54,7 @@ def assumed(
     search: Values = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
     critical = wc.critical_velocity(cloth, **search).critical_velocity
     found = wc.calibrate(replace(cloth, laws=None, shear=None, solid_laws=None), mesh=mesh)
+    assert isinstance(found, wc.CalibrationResult)
     bare = replace(found.fabric, laws=None)
     strike = multiple * critical
     ranges = {

@@ -297,6 +297,7 @@ def calibrated(
         fibre_fraction=fibre_fraction,
         assumed_range=False,
     )
+    assert isinstance(found, wc.CalibrationResult)
     done = found.calibration
     law = found.law
     nan = float("nan")

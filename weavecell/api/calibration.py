@@ -283,19 +283,17 @@ def calibrate(
         "yarn_curve": yarn_curve or None,
     }
     if biaxial is not None:
-        asked = mesh
-        if mesh == MESH:
-            asked = None
-        of_crossover = {
-            "mesh": asked,
+        of_crossover: dict[str, Any] = {
             "platen_curve": platen_curve,
             "fit_solid": fit_solid or None,
             "friction": friction or None,
             "fibre_fraction": fibre_fraction,
         }
+        if mesh != MESH:
+            of_crossover["mesh"] = mesh
         where = f"with {option('biaxial', 'FILE')}, which solves no 3D crossover"
         quantities.refuse_unused(of_crossover, where)
-        return plan_fit(fabric, biaxial, **of_tests)
+        return plan_fit(fabric, biaxial, fitted, constants, centreline, yarn_curve)
     quantities.refuse_unused(of_tests, f"without {option('biaxial', 'FILE')}")
     from unitcell3d.material.numerics import fraction_of
     from unitcell3d.model.crossover import Numerics
