@@ -12,8 +12,15 @@ test whose other direction is free. Free constants are any of
 All but the starts are fitted by their logarithms. Warp and weft have errors of their own: each
 residual is taken over the rms of its family, which is found by fitting again. The covariance is
 s^2 (J^T J)^-1. An interval of 95 % is that of the profile: where the least sum of squares over the
-other constants is 1 + t^2 / (n - p) of the least of all, with Student's t. If the residuals are no
-noise, that is if neighbours are alike, intervals are too narrow, and the fit says so.
+other constants has risen by m t^2 s^2. Both errors are estimates, so that Student's t has the
+degrees of freedom of Welch and Satterthwaite, and m is what weights from estimated errors add to
+the variance of a mean (Meier 1953, Biometrics 9, 59): with the share w_f of a family in the
+variance of the constant, and its degrees of freedom v_f,
+
+    1 / v = sum of w_f^2 / v_f,    m = 1 + 4 sum of w_f (1 - w_f) / v_f
+
+If the residuals are no noise, that is if neighbours are alike, intervals are too narrow, and the
+fit says so.
 
 Tests that were not chosen are predicted. A prediction counts as right if its rms is at most AGREES
 of the greatest load of warp, or weft, in all tests.
@@ -438,15 +445,14 @@ class _Problem:
 
     def describe(self, x, weights, tests, provenance):
         """The BiaxialFit of a solution."""
-        squares = float(np.sum(self.residuals(x, weights) ** 2))
-        freedom = int(self.measured.sum()) - self.size
         covariance = self.covariance(x, weights)
         error = np.sqrt(np.diag(covariance))
+        reach = self.reach(x, weights)
         correlation = covariance / np.outer(error, error)
         names = list(self.values_of(x))
         constants = []
         for k, name in enumerate(names):
-            ends = [self.end(x, weights, k, side * error[k], squares, freedom) for side in (-1, 1)]
+            ends = [self.end(x, weights, k, side * error[k], reach[k]) for side in (-1, 1)]
             constants.append(self.constant(x, k, name, ends))
         model = self.model_of(x)
         law = self.law_of(model, constants, x, provenance)
@@ -479,11 +485,32 @@ class _Problem:
             columns.append(rise / 2e-5)
         return np.stack(columns, axis=1)
 
-    def end(self, x, weights, k, error, squares, freedom):
+    def reach(self, x, weights):
+        """(p,) [-] half widths of the intervals in standard errors, t sqrt(m)."""
+        jacobian = self.jacobian(x, weights)
+        # what each load adds to the variance of each constant
+        parts = np.linalg.pinv(jacobian) ** 2
+        _, family = np.nonzero(self.measured)
+        count = self.measured.sum(axis=0)
+        freedom = count * (1 - self.size / count.sum())
+        found = []
+        for part in parts:
+            total = part.sum()
+            inverse = 0.0
+            more = 1.0
+            for m in range(2):
+                if count[m]:
+                    share = part[family == m].sum() / total
+                    inverse += share**2 / freedom[m]
+                    more += 4 * share * (1 - share) / freedom[m]
+            found.append(float(student.ppf(0.5 + CONFIDENCE / 2, 1 / inverse)) * sqrt(more))
+        return found
+
+    def end(self, x, weights, k, error, wanted):
         """The end of the profile's interval of x[k] on the side of `error`, its standard error with
-        a sign; infinite if there is none within the bounds."""
-        wanted = float(student.ppf(0.5 + CONFIDENCE / 2, freedom))
-        variance = squares / freedom
+        a sign, `wanted` of which it is wide; infinite if there is none within the bounds."""
+        squares = float(np.sum(self.residuals(x, weights) ** 2))
+        variance = squares / (int(self.measured.sum()) - self.size)
         if not variance > 0:
             return x[k]
         side = float(np.sign(error))

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
-from scipy.stats import f as fisher
+from scipy.stats import t as student
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
@@ -74,14 +74,25 @@ def test_warp_and_weft_have_errors_of_their_own(found):
     assert weights == pytest.approx(NOISE, rel=0.3)
 
 
-def test_an_interval_ends_where_the_profile_rises_by_fishers_f(found):
-    """b is fitted again at the end of a's interval by a search of its own."""
+def test_an_interval_ends_where_the_profile_has_risen_far_enough(found):
+    """b is fitted again at the end of a's interval by a search of its own; how far is Student's t with the freedom of
+    both errors, and Meier's factor for weights that are estimates."""
     problem = biaxial_fit._Problem(CellModel(CLOTH), [one.test for one in found.fitted], ("a", "b"))
     _, weights = problem.solve()
     squares = lambda a, b: np.sum(problem.residuals(np.log([a, b]), weights) ** 2)  # noqa: E731
     least = squares(found.law.a, found.law.b)
-    rows = 2 * 2 * 19
-    wanted = 1 + fisher.ppf(0.95, 1, rows - 2) / (rows - 2)
+    at = np.log([found.law.a, found.law.b])
+    slopes = [
+        (problem.residuals(at + step, weights) - problem.residuals(at - step, weights)) / 2e-4
+        for step in 1e-4 * np.eye(2)
+    ]
+    of_a = np.linalg.lstsq(np.array(slopes).T, np.eye(76), rcond=None)[0][0] ** 2
+    # rows are warp, weft, warp, ...
+    share = of_a[::2].sum() / of_a.sum()
+    assert 0.05 < share < 0.95
+    freedom = 38 * (1 - 2 / 76)
+    t = student.ppf(0.975, freedom / (share**2 + (1 - share) ** 2))
+    wanted = 1 + t**2 * (1 + 8 * share * (1 - share) / freedom) / (76 - 2)
     for end in found.law.a_interval:
         again = minimize_scalar(
             lambda b, end=end: squares(end, b),
