@@ -1,10 +1,10 @@
 """Measured biaxial tests of a fabric: load of a yarn of warp and weft against the fabric's strains.
 
-A CSV file has a heading and a row for each measured state,
+A table of users (`fabrics.base.tables`) has a row for each measured state,
 
     test, warp strain [%], weft strain [%], warp load [N], weft load [N]
 
-in any order and unit. Rows of one name are one test, in the order of the file. An empty strain is
+Rows of one name are one test, in the order of the file. An empty strain is
 that of a direction which is free: it carries no load. An empty load was not measured.
 """
 
@@ -17,17 +17,13 @@ import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_csv, read_number
-from fabrics.base.units import si
+from fabrics.base.tables import WORDS, read_table
 
 DIRECTIONS = ("warp", "weft")
 TEST = "test"
 STRAINS = ("warp strain", "weft strain")
 LOADS = ("warp load", "weft load")
 UNITS = dict.fromkeys(STRAINS, "") | dict.fromkeys(LOADS, "N")
-WHAT = "biaxial tests: test, warp strain [%], weft strain [%], warp load [N], weft load [N]"
-# how a number without a unit is headed
-PLAIN = ("-", "1")
 # a curve of fewer rows says nothing of its scatter
 FEWEST = 5
 # [-] a larger strain is a slip of the unit: glass breaks at 0.02, aramid at 0.04
@@ -89,57 +85,36 @@ def read(path: FilePath) -> list[BiaxialTest]:
     ------
     InputError : one line naming the file, the line, the value and what is allowed
     """
-    lines = read_csv(path, WHAT, words=(TEST,))
-    if not lines:
-        raise InputError("is empty", file=path, allowed=WHAT)
-    columns = [_column(cell, path) for cell in lines[0][1]]
-    names = [name for name, _ in columns]
-    if sorted(names) != sorted((TEST, *UNITS)):
-        raise InputError(file=path, key="columns", value=", ".join(names), allowed=WHAT)
+    table = read_table(
+        path,
+        {TEST: WORDS} | UNITS,
+        what="biaxial tests",
+        example="warp strain [%]",
+        optional=LOADS,
+    )
+    if not any(name in table.cells for name in LOADS):
+        allowed = f"with {' or '.join(LOADS)} [N]"
+        raise InputError(file=path, key="columns", value=", ".join(table.cells), allowed=allowed)
     rows: dict[str, list[list[float]]] = {}
-    for number, cells in lines[1:]:
-        name, values = _row(number, cells, columns, path)
-        rows.setdefault(name, []).append(values)
+    for line, cells in table.rows():
+        if not cells[TEST]:
+            raise InputError(file=path, key=f"{line}, {TEST}", value="", allowed="a name")
+        values = [_value(table, line, name, cells.get(name, "")) for name in UNITS]
+        rows.setdefault(cells[TEST], []).append(values)
+    if not rows:
+        raise InputError("has no row", file=path, allowed="a heading and a row for each state")
     return [_test(name, np.array(values), path) for name, values in rows.items()]
 
 
-def _column(cell, path):
-    """(name, SI value of its unit) of a heading."""
-    name, _, unit = cell.partition("[")
-    name = " ".join(name.lower().split())
-    if name == TEST:
-        return name, 1.0
-    if name not in UNITS or not unit.endswith("]"):
-        raise InputError(file=path, key="heading", value=cell, allowed=WHAT)
-    unit = unit[:-1].strip()
-    if name in STRAINS and unit in PLAIN:
-        return name, 1.0
-    return name, si(f"1 {unit}", UNITS[name], file=path, key=name)
-
-
-def _row(number, cells, columns, path):
-    """(name of the test, [strains of warp and weft, loads of warp and weft]) of a line, in SI."""
-    line = f"line {number}"
-    # empty cells at the end of a line are left out
-    cells = [*cells, *[""] * (len(columns) - len(cells))]
-    if len(cells) != len(columns):
-        allowed = f"{len(columns)} cells"
-        raise InputError(file=path, key=line, value=", ".join(cells), allowed=allowed)
-    found = {}
-    for (name, scale), cell in zip(columns, cells):
-        if name == TEST:
-            if not cell:
-                raise InputError(file=path, key=f"{line}, test", value=cell, allowed="a name")
-            found[name] = cell
-        elif not cell:
-            found[name] = nan
-        else:
-            allowed = "a finite number, or empty of a free direction or a load not measured"
-            found[name] = scale * read_number(cell, allowed, file=path, key=f"{line}, {name}")
-            if name in STRAINS and abs(found[name]) > LARGEST:
-                allowed = f"at most {100 * LARGEST:g} %"
-                raise InputError(file=path, key=f"{line}, {name}", value=cell, allowed=allowed)
-    return found[TEST], [found[name] for name in UNITS]
+def _value(table, line, name, cell):
+    """The number of a cell in SI; nan of an empty one."""
+    if not cell:
+        return nan
+    value = table.number(line, name, cell)
+    if name in STRAINS and abs(value) > LARGEST:
+        allowed = f"at most {100 * LARGEST:g} %"
+        raise InputError(file=table.path, key=f"{line}, {name}", value=cell, allowed=allowed)
+    return value
 
 
 def _test(name, values, path):
