@@ -14,6 +14,7 @@ GUIDE = (
     "pack",
     "crossover",
     "coupons",
+    "biaxial-tests",
     "recipes",
     "accuracy",
     "studies",

@@ -79,6 +79,9 @@ def coupons(_):
         wc.biaxial("S-731", out=Path(folder) / "biaxial")
         keep(Path(folder) / "biaxial" / "pictures" / "cell.svg", "biaxial-S-731.svg")
         keep(Path(folder) / "biaxial" / "pictures" / "energy.png", "energy-S-731.png")
+        tests = COUPONS.parent / "records" / "glass-biaxial.csv"
+        wc.calibrate("glass-balanced", biaxial=tests, fitted=["k = 1"], out=Path(folder) / "fit")
+        keep(Path(folder) / "fit" / "pictures" / "tests.svg", "biaxial-fit.svg")
 
 
 def bullets(_):
