@@ -1,8 +1,8 @@
 """Constants of a fabric's cell fitted to measured biaxial tests: `weavecell calibrate --biaxial`.
 
 Its folder
-    biaxial-fit.json    constants with intervals and correlation, each test fitted or predicted,
-                        provenance
+    biaxial-fit.json    constants with intervals and correlation, provenance
+    tests.csv           each test, fitted or predicted, with its errors
     curves.csv          measured and computed loads of each test
     law.json            the fitted law, for `law` in an input file
     fabric-keys.toml    what of it a fabric file takes
@@ -33,7 +33,7 @@ from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed
-from weavecell.results import display, json_file, one_table, out_folder
+from weavecell.results import display, json_file, out_folder
 from weavecell.results.named_value import NamedValue
 from weavecell.scenes import curves
 
@@ -47,10 +47,10 @@ if TYPE_CHECKING:
     from weavecell.studies.biaxial_tests import BiaxialTest
 
 FORMAT = "weavecell biaxial fit 1"
-TABLE = "biaxial_fit"
 SURFACE = "surface.h5"
 NAMES = (
     "biaxial-fit.json",
+    "tests.csv",
     "curves.csv",
     "law.json",
     "fabric-keys.toml",
@@ -194,7 +194,7 @@ class BiaxialFitResult(Result):
     source: str
     wall_time: float = 0.0
 
-    _tables = (TABLE,)
+    kind = "biaxial_fit"
 
     @property
     def law(self) -> CompressionLaw:
@@ -253,13 +253,21 @@ class BiaxialFitResult(Result):
             provenance=self.law.provenance,
         )
 
-    def summary(self) -> dict[str, Any]:
-        """Return the entries of biaxial-fit.json, of lists their lengths, and the checks."""
-        facts = one_table.facts(self, TABLE)
-        return facts | {"checks": self.checks_text} | self._what_is_assumed()
+    @property
+    def fitted_constants(self) -> dict[str, dict[str, Any]]:
+        """{name of a constant: value, interval, SI unit and whether the tests determine it}"""
+        found = {}
+        for one in self.constants:
+            found[one.name] = {
+                "value": one.value,
+                "interval": [one.low, one.high],
+                "unit": display.si_unit(one.unit),
+                "determined": one.determined,
+            }
+        return found
 
-    def _columns(self):
-        return one_table.columns(self.tests, TABLE, "tests")
+    def _items(self):
+        return self.tests
 
     def plot(self) -> Figure:
         """Draw a matplotlib figure: measured and computed loads against the strains."""
@@ -324,12 +332,7 @@ class BiaxialFitResult(Result):
         """Return what biaxial-fit.json holds, without provenance."""
         from weavecell.report import checks
 
-        lists = {
-            "tests": one_table.records(self.tests, TABLE, "tests"),
-            "constants": one_table.records(self.constants, TABLE, "constants"),
-        }
-        facts = one_table.facts(self, TABLE) | lists
-        return {"format": FORMAT, **facts, **checks.summary(self.checks), **self._what_is_assumed()}
+        return {"format": FORMAT, **self.summary(), **checks.summary(self.checks)}
 
     def curves(self) -> str:
         """Return curves.csv: measured and computed loads at each state."""
@@ -339,10 +342,10 @@ class BiaxialFitResult(Result):
         for one in self.tests:
             columns: dict[str, Any] = {"test": one.name, "role": one.role}
             for m, name in enumerate(YARNS):
-                columns[f"{name} strain [-]"] = one.test.strain[:, m]
+                columns[f"strain_{name}"] = one.test.strain[:, m]
             for m, name in enumerate(YARNS):
-                columns[f"{name} load [N]"] = one.test.load[:, m]
-                columns[f"{name} load computed [N]"] = one.computed[:, m]
+                columns[f"load_{name}_N"] = one.test.load[:, m]
+                columns[f"load_computed_{name}_N"] = one.computed[:, m]
             tables.append(DataFrame(columns))
         return concat(tables).to_csv(index=False, float_format="%.8g")
 
@@ -378,6 +381,7 @@ class BiaxialFitResult(Result):
 
         stamp = provenance.stamp("", self.given)
         json_file.write(folder / "biaxial-fit.json", self.content() | {"provenance": stamp})
+        files.write(folder / "tests.csv", self.to_csv())
         files.write(folder / "curves.csv", self.curves())
         files.write(folder / "fabric-keys.toml", self.fabric_keys())
         if not self.is_of_shots:

@@ -15,6 +15,7 @@ from tests.weavecell.session_runs import small_calibration
 from weavecell.report import installed
 from weavecell.results import keys, one_table
 
+MADE_TESTS = Path(__file__).parents[3] / "examples" / "records" / "glass-biaxial.csv"
 SHORT = {"opening": "20 mm", "end_time": "10 us"}
 
 
@@ -97,6 +98,9 @@ MADE = {
         out=out,
     ),
     "biaxial": lambda out: wc.biaxial("S-731", ratio=["1:0", "1:2"], out=out),
+    "biaxial fit": lambda out: wc.calibrate(
+        "glass-balanced", biaxial=MADE_TESTS, fitted=["k = 1", "k = 2"], out=out
+    ),
     "mesh": lambda out: wc.mesh("S-720", mesh="coarse", out=out),
 }
 # of all files, and of results that have a range or a provenance
