@@ -15,6 +15,15 @@ from weavecell.studies.biaxial_path import to_strength
 from weavecell.studies.biaxial_tests import BiaxialTest
 
 K = (0.5, 1.0, 2.0)
+# what the thesis names as causes of its misses, as far as the cell has it: keywords of `choice`
+FEET = [0.0005, 0.0005]
+CAUSES: Values = {
+    "straight yarns": {"cell": {"centreline": "straight"}},
+    "feet": {"cell": {"slack": FEET}},
+    "straight yarns, feet": {"cell": {"centreline": "straight", "slack": FEET}},
+    "late start": {"late": 0.0005},
+    "early start": {"late": -0.0005},
+}
 
 
 def cloth_tests(

@@ -1,14 +1,16 @@
 """The ledger of the thesis's claims: every claim that is a number, an order, a trend, a shape or an outcome, judged.
 
     python -m validation claims --topics impact1 cell
+    python -m validation claims biaxial-order-k --turned
 
 A missed claim is a result, not an error; a result other than the recorded one ends with exit code 1. Claims that rest
 on shots at one ply are judged as computed and in four variants: the cell formulation of the thesis, nominal denier, 2
 elements per crossover, elastic-plastic bored projectile.
 
 claims.csv has every claim with its verdict, our number beside the thesis's. `--out docs/reports/data` renews that of
-the documentation; then `python tools/pages.py`. What is computed is kept in results/claims, and taken from there by the
-same code.
+the documentation; then `python tools/pages.py`. Claims that are named are printed with what was computed; `--turned`
+changes an input of each by 5 to 10 %, as its entry says, by which the verdict has to turn. What is computed is kept in
+results/claims, and taken from there by the same code.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, nearest
 from validation import origin, study
 from validation.claims import claims as data
 from validation.claims import judge, runner, table
@@ -25,6 +27,8 @@ from weavecell.cli.from_signature import CORES
 from weavecell.results import progress
 
 NOTES = {
+    "ids": "of claims to judge alone",
+    "turned": "judge with the changed input of each claim that has one",
     "topics": "those to judge; all if none is given",
     "slow": "also those that take minutes each",
     "no_variants": "as computed alone, not in the variants",
@@ -34,7 +38,9 @@ KEPT = Path("results/claims")
 
 
 def main(
+    ids: Sequence[str] = (),
     *,
+    turned: bool = False,
     topics: Sequence[str] = (),
     slow: bool = False,
     no_variants: bool = False,
@@ -46,21 +52,32 @@ def main(
 
     Raises
     ------
-    InputError : an unknown topic; nothing has been written
+    InputError : an unknown topic or claim; nothing has been written
     """
+    known = [claim.id for claim in data.load()]
+    for name in ids:
+        if name not in known:
+            near = nearest(name, known, 0.5)
+            raise InputError(key="claim", value=name, allowed=f"an id, such as {near or known[0]}")
     for topic in set(topics) - set(data.topics()):
         raise InputError(key="--topics", value=topic, allowed=", ".join(data.topics()))
     claims = [claim for claim in data.load() if not topics or claim.topic in topics]
+    if ids:
+        claims = [claim for claim in claims if claim.id in ids]
+    if turned:
+        claims = [claim.turned for claim in claims if claim.turn]
     with progress.bar(f"{len(claims)} claims") as advance:
         records = runner.validate(
             claims,
             KEPT / "runs",
-            slow=slow,
+            slow=slow or bool(ids),
             vary=not no_variants,
             jobs=jobs,
             executor=executor,
             report=lambda done, total: advance(done / max(total, 1)),
         )
+    if ids or turned:
+        return tell(claims, records)
     options = " --slow" * slow + " --no-variants" * no_variants
     inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
     made = origin.write(f"claims{options}", inputs, origin.spent())
@@ -68,6 +85,20 @@ def main(
     counts = Counter(record.verdict for record in records)
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
     print(f"written to {out}/claims.csv", flush=True)
+    return tell_changed(claims, records)
+
+
+def tell(claims: Sequence[data.Claim], records: Sequence[judge.Record]) -> int:
+    """Print what each claim states and what was computed; return the exit code as `main`."""
+    for row in table.rows(claims, records):
+        print(f"{row['id']}: {row['verdict']}")
+        for name in ("published", "computed", "cause"):
+            print(f"  {name:<10} {row[name]}")
+    return tell_changed(claims, records)
+
+
+def tell_changed(claims: Sequence[data.Claim], records: Sequence[judge.Record]) -> int:
+    """Print the claims that did not end with the recorded verdict; return 1 if there are any."""
     code = 0
     for claim, record in zip(claims, records):
         if judge.changed(claim, record.verdict):

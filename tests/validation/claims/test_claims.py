@@ -65,6 +65,28 @@ def test_claim_has_its_recorded_verdict(folder, claim):
     assert not judge.changed(claim, record.verdict), record.miss or record.note
 
 
+@pytest.mark.parametrize(
+    "claim", [claim for claim in data.load() if claim.turn], ids=lambda c: c.id
+)
+def test_a_small_change_of_an_input_turns_the_verdict(folder, claim):
+    """A condition that no change of 5 to 10 % turns says nothing."""
+    assert claim.verdict == "reproduced"
+    (record,) = runner.validate([claim.turned], folder)
+    assert record.verdict == judge.MISSED, claim.turn["change"]
+
+
+def test_one_claim_by_its_name(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(command, "KEPT", tmp_path / "kept")
+    assert command.main(["geom-glass-shell-dims"], jobs=1) == 0
+    told = capsys.readouterr().out
+    assert "geom-glass-shell-dims: " in told
+    assert "along warp 6.25 mm" in told
+    assert not (tmp_path / "kept" / "claims.csv").exists()
+    with pytest.raises(InputError, match="geom-glass-shell-dims"):
+        command.main(["geom-glass-shell-dim"], jobs=1)
+
+
 def test_recorded_verdicts_are_those_of_the_page():
     page = {row["id"]: row["verdict"] for row in study.read(RECORDED)[1]}
     assert set(page) == {claim.id for claim in data.load()}

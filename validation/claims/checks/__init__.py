@@ -14,6 +14,7 @@ from shellfabric.cell.model import CellModel  # noqa: F401
 from shellfabric.coupon.quasistatic import inextensible_shear  # noqa: F401
 from shellfabric.plies.gap import compression_gap  # noqa: F401
 from shellfabric.projectile.bar import Bar  # noqa: F401
+from validation.cases.biaxial import CAUSES, choice  # noqa: F401
 from validation.cases.block import march  # noqa: F401
 from validation.claims import readers
 from validation.claims.checks import cell, compression, weave
