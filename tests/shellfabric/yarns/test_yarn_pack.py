@@ -154,8 +154,8 @@ def test_no_ply_passes_through_another_and_yarns_that_do_are_counted(table):
 
 
 def test_a_pack_with_a_block_behind_it_keeps_its_energy(table):
-    block = Backing(size=(0.05, 0.05, 0.02), min_size=3e-3)
-    backed = replace(SETUP, backing=block, end_time=12e-6)
+    block = Backing(size=(0.036, 0.036, 0.02), min_size=3e-3)
+    backed = replace(SETUP, opening=0.026, backing=block, end_time=12e-6)
     result = run_impact(backed, table=table)
     assert result.energy_error_max < 2e-3
     assert result.backing.depth > 1e-4

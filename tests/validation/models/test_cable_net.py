@@ -100,8 +100,10 @@ def beside_shell(crimps):
 
 @pytest.mark.parametrize(
     "crimps, bounds",
-    [((0.0, 0.0), (0.5, 0.005)), ((0.0218, 0.0139), (0.5, 0.005))],
-    ids=["flat", "crimped"],
+    [
+        pytest.param((0.0, 0.0), (0.5, 0.005), id="flat", marks=pytest.mark.slow),
+        pytest.param((0.0218, 0.0139), (0.5, 0.005), id="crimped"),
+    ],
 )
 def test_decoupled_shell_is_the_cable_model(crimps, bounds):
     """Thesis Figures 4-21 to 4-23: the projectile's velocity, and the middle warp's pull on its clamp.
