@@ -270,6 +270,17 @@ def test_a_gauge_stands_at_the_deepest_node_and_sees_beyond_a_plane_of_symmetry(
     assert found > dent.gauge(half, (False, False))
 
 
+def test_a_gauge_weighs_facets_by_their_area():
+    """Bricks half as wide on one side, where the face falls off a third as steeply: the mean of |x| over half
+    of a disc is 4 R / (3 pi)."""
+    narrow, wide = (size * np.arange(1, 17) for size in (0.4e-3, 0.8e-3))
+    lines = np.concatenate([-narrow[::-1], [0.0], wide]), 0.7e-3 * np.arange(-10, 11)
+    x, y = np.meshgrid(*lines, indexing="ij")
+    face = np.stack([x, y, 0.01 - np.where(x < 0, -0.2 * x, 0.6 * x)], axis=-1)
+    expected = 0.01 - 0.5 * (0.2 + 0.6) * 4 * dent.GAUGE / (3 * np.pi)
+    assert dent.gauge(face, (False, False)) == pytest.approx(expected, rel=1e-3)
+
+
 def test_the_brick_on_the_floor_is_measured_as_it_is():
     """Bricks on the floor drawn out to twice their length: noted beyond half of the radius, doubtful beyond all."""
     block = block_with(bowl)
