@@ -32,28 +32,39 @@ def coverage(*, protocol: str, share: float, shots: Sequence[int], series: int) 
 
     Returns
     -------
-    dict with held, and with without, by the likelihood alone: [%] by number of shots
+    dict with held; without, by the likelihood without a penalty; and prior, the series whose
+    interval rests on a prior: [%] by number of shots
     """
     held = []
     without = []
+    prior = []
     for count in shots:
         random = np.random.default_rng([SEED, count])
         inside = []
         for _ in range(series):
             failing = V50 * (1 + share * random.standard_normal(count))
             inside.append(_inside(*PROTOCOLS[protocol](failing, random)))
-        found, plain = 100 * np.mean(inside, axis=0)
+        found, plain, by_prior = 100 * np.mean(inside, axis=0)
         held.append(found)
         without.append(plain)
-    return {"held": held, "without": without}
+        prior.append(by_prior)
+    return {"held": held, "without": without, "prior": prior}
 
 
 def _inside(velocity, perforated):
-    """Whether V50 is in the interval, and in that of the likelihood alone; shots of one outcome exclude nothing."""
-    if len(set(perforated)) < 2:
-        return True, True
+    """Whether V50 is in the interval of `probit.fit`, in that of the likelihood alone, and whether the first rests on a
+    prior; shots that determine no curve exclude nothing."""
+    V = np.array(velocity)
+    hit = np.array(perforated)
+    near = probit.locate(V, hit)
+    if np.isnan(near):
+        return True, True, False
     fall = 0.5 * chi2.ppf(CONFIDENCE, 1)
-    return [probit.fallen(velocity, perforated, V50, penalised=p) <= fall for p in (True, False)]
+    without = probit.fallen(V, hit, V50, penalised=False) <= fall
+    if probit.bounds_V50(V, hit, near, CONFIDENCE):
+        return probit.fallen(V, hit, V50) <= fall, without, False
+    below = probit.posterior_of(V, hit, near).share_below(V50)
+    return abs(below - 0.5) <= 0.5 * CONFIDENCE, without, True
 
 
 def rounds(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:

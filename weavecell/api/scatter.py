@@ -332,7 +332,8 @@ class V50Result(StudyResult):
             return "V50", "not determined"
         around = self.assumed_range
         covered = brief_words(self.left_out, self.chosen)
-        sampled = f"{self.study.curves['probit'].span()} by the number of shots, 95 %"
+        curve = self.study.curves["probit"]
+        sampled = f"{curve.span()} {curve.basis}, 95 %"
         parts = [sampled, covered]
         if around is not None:
             span = f"{around.low:.1f} to {around.high:.1f} m/s"

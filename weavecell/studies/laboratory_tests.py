@@ -132,6 +132,8 @@ class ReducedTests:
             "tested_v50_m_s": self.curve.V50,
             "tested_v50_interval_m_s": list(self.curve.intervals["V50"]),
             "tested_v50_reason": self.curve.reason,
+            "tested_v50_by_prior": self.curve.by_prior,
+            "tested_v50_more_shots": self.curve.more_shots,
             **self._spread_summary(),
             **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
             "lambert_jonas_tested": asdict(self.lambert_jonas),

@@ -18,6 +18,9 @@ follow from it, and its intervals are too narrow (`python -m validation study v5
 beta = 1 / s and any V_P = V50 + z_P s in the place of V50, a profile is one over beta. Since P
 reaches 0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
 
+Of fewer than `ENOUGH` shots, and of more that leave V50 without a bound, the intervals are those of
+a posterior with a prior of s (`posterior`).
+
 statsmodels finds the same curves (a test holds them against each other). It is not used here: where
 shots are separated it does not converge, and its intervals are those of a normal distribution, too
 narrow for few shots.
@@ -25,9 +28,11 @@ narrow for few shots.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import dataclass
-from math import exp, inf, log, nan
+from math import exp, inf, isnan, log, nan
 from typing import Any
 
 import numpy as np
@@ -38,9 +43,12 @@ from scipy.stats import chi2, logistic, norm
 
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from weavecell.studies.posterior import Posterior, prior_words
 
 LOW = 0.01
 HIGH = 0.99
+# shares of perforations of the velocities that a curve gives
+NAMED = {"V0": LOW, "V50": 0.5, "V100": HIGH}
 LINKS = {"probit": norm, "logit": logistic}
 # their distribution functions and the logarithms of these, which the methods of scipy.stats wrap in
 # many checks
@@ -56,8 +64,14 @@ NOT_RISING = "the share of perforations does not grow with the velocity"
 _FLATTEST, _STEEPEST = 1e-3, 1e5
 # step of the logarithm of beta with which a search begins
 _COARSE = 0.5
+# ranges of the velocities beyond which an interval has no bound
+_FAR = 100
 # least determinant, whose logarithm is finite
 _LEAST = 1e-300
+# fewest shots whose likelihood alone gives intervals: of drawn series of 8 half have no bound
+ENOUGH = 12
+# more shots than so many times those fired are not forecast
+_MOST_TIMES = 20
 
 
 @dataclass(frozen=True)
@@ -75,6 +89,9 @@ class Curve:
     separated : whether no stop was faster than a perforation: the curve is a step, and s 0
     confidence : [-] of the intervals
     floor : [-] logarithm of the penalised likelihood at the ends of the intervals
+    by_prior : whether the intervals are those of the posterior
+    more_shots : how many more shots, if they fall as these, bound V50 without a prior; 0 if these
+        do, None if more than can be forecast
     reason : why the shots determine no curve, all of whose numbers are NaN then; "" of a fitted one
     """
 
@@ -87,6 +104,8 @@ class Curve:
     separated: bool
     confidence: float
     floor: float
+    by_prior: bool = False
+    more_shots: int | None = 0
     reason: str = ""
 
     def words(self) -> str:
@@ -97,18 +116,28 @@ class Curve:
         if self.separated:
             step = "; no stop is faster than a perforation, a step, s = 0"
         level = f"with {100 * self.confidence:g} % confidence"
-        return f"V50 ({self.link}) {self.V50:.1f} m/s, {self.span()} {level}{step}"
+        basis = ""
+        if self.by_prior:
+            basis = f", by {prior_words()}; {self._forecast_words()}"
+        return f"V50 ({self.link}) {self.V50:.1f} m/s, {self.span()} {level}{basis}{step}"
+
+    def _forecast_words(self):
+        """Write how many more shots bound V50 without the prior."""
+        if self.more_shots is None:
+            return "the shots alone set no bounds"
+        return f"about {self.more_shots} more shots would bound it without a prior"
+
+    @property
+    def basis(self) -> str:
+        """What the interval rests on, for a headline."""
+        if self.by_prior:
+            return "by the shots and a prior of their spread"
+        return "by the number of shots"
 
     def span(self) -> str:
         """Write the interval of V50."""
         low, high = self.intervals["V50"]
-        if low > 0 and high < inf:
-            return f"{low:.1f} to {high:.1f} m/s"
-        if low > 0:
-            return f"at least {low:.1f} m/s"
-        if high < inf:
-            return f"at most {high:.1f} m/s"
-        return "without bounds"
+        return f"{low:.1f} to {high:.1f} m/s"
 
     def velocity(self, probability: Any) -> Any:
         """Compute the velocity [m/s] at which a share `probability` perforates."""
@@ -132,10 +161,21 @@ class Curve:
 
 
 class _Likelihood:
-    """Logarithm of the likelihood of some shots, penalised or not, and its profiles."""
+    """Logarithm of the likelihood of some shots, penalised or not, and its profiles.
+
+    Parameters
+    ----------
+    times : [-] how often each shot was fired, with its outcome
+    """
 
     def __init__(
-        self, velocity: np.ndarray, perforated: np.ndarray, link: str, *, penalised: bool
+        self,
+        velocity: np.ndarray,
+        perforated: np.ndarray,
+        link: str,
+        *,
+        penalised: bool,
+        times: float = 1.0,
     ) -> None:
         self.V = velocity
         self.hit = perforated
@@ -143,6 +183,7 @@ class _Likelihood:
         self.log_cdf = LOG_CDF[link]
         self.log_weight = LOG_WEIGHT[link]
         self.penalised = penalised
+        self.times = times
         self.range = float(np.ptp(velocity))
         # the slope is searched by its logarithm: it spans eight powers of ten
         self.betas = log(_FLATTEST / self.range), log(_STEEPEST / self.range)
@@ -155,7 +196,7 @@ class _Likelihood:
         # both distributions are even: sf(x) is cdf(-x)
         below = self.log_cdf(eta)
         above = self.log_cdf(-eta)
-        found = np.where(self.hit, below, above).sum(axis=-1)
+        found = self.times * np.where(self.hit, below, above).sum(axis=-1)
         if self.penalised:
             found = found + penalty(self.V, self.log_weight(eta, below, above))
         return found
@@ -234,32 +275,70 @@ def fit(
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
     if reason := _no_curve(V, hit):
         return _none(link, confidence, reason)
-    likelihood = _Likelihood(V, hit, link, penalised=False)
-    # then the likelihood has no maximum: it grows with the slope for ever
-    separated = bool(V[hit].min() >= V[~hit].max())
-    if separated:
-        V50, s, best = _step(likelihood)
-    else:
-        V50, s, best = _top(likelihood)
-        # the search ended at its flattest slope
-        if s > 0.5 * likelihood.range / _FLATTEST or V50 < 0:
-            return _none(link, confidence, NOT_RISING)
+    V50, s, best = _maximise(V, hit, link)
+    if isnan(V50):
+        return _none(link, confidence, NOT_RISING)
     penalised = _Likelihood(V, hit, link, penalised=True)
     middle, steepness, highest = _top_over_V50(penalised, V50)
     floor = highest - 0.5 * float(chi2.ppf(confidence, 1))
-    intervals = {
-        name: interval(penalised, P, middle + LINKS[link].ppf(P) / steepness, floor)
-        for name, P in (("V0", LOW), ("V50", 0.5), ("V100", HIGH))
-    }
-    intervals["s"] = _spread(penalised, 1 / steepness, floor)
+    more = _more_shots(penalised, middle, confidence)
+    if more == 0:
+        intervals = {
+            name: interval(penalised, P, middle + LINKS[link].ppf(P) / steepness, floor)
+            for name, P in NAMED.items()
+        }
+        intervals["s"] = _spread(penalised, 1 / steepness, floor)
+    else:
+        posterior = posterior_of(V, hit, V50, link)
+        intervals = {
+            name: posterior.interval(LINKS[link].ppf(P), confidence) for name, P in NAMED.items()
+        }
+        intervals["s"] = posterior.interval_of_spread(confidence)
+    deviation = s * float(LINKS[link].std())
     curve = Curve(
-        link, V50, s, s * float(LINKS[link].std()), intervals, best, separated, confidence, floor
+        link,
+        V50,
+        s,
+        deviation,
+        intervals,
+        best,
+        _is_separated(V, hit),
+        confidence,
+        floor,
+        by_prior=more != 0,
+        more_shots=more,
     )
     # a step has s = 0, which no penalised likelihood holds
     for name, (low, high) in intervals.items():
         value = getattr(curve, name)
         intervals[name] = min(low, value), max(high, value)
     return curve
+
+
+def locate(velocity: FloatArray, perforated: np.ndarray) -> float:
+    """Find the V50 [m/s] of `fit`, a probit, without its intervals; NaN where the shots determine
+    none."""
+    if _no_curve(velocity, perforated):
+        return nan
+    return _maximise(velocity, perforated, "probit")[0]
+
+
+def _is_separated(V, hit):
+    """Whether no stop was faster than a perforation."""
+    return bool(V[hit].min() >= V[~hit].max())
+
+
+def _maximise(V, hit, link):
+    """(V50, s [m/s], likelihood) where it is largest; NaN if perforations do not grow with V."""
+    likelihood = _Likelihood(V, hit, link, penalised=False)
+    # then the likelihood has no maximum: it grows with the slope for ever
+    if _is_separated(V, hit):
+        return _step(likelihood)
+    V50, s, best = _top(likelihood)
+    # the search ended at its flattest slope
+    if s > 0.5 * likelihood.range / _FLATTEST or V50 < 0:
+        return nan, nan, nan
+    return V50, s, best
 
 
 def _no_curve(V, hit):
@@ -274,7 +353,51 @@ def _no_curve(V, hit):
 def _none(link, confidence, reason):
     """The Curve of shots that determine none."""
     intervals = dict.fromkeys(("V0", "V50", "V100", "s"), (nan, nan))
-    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, nan, reason)
+    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, nan, reason=reason)
+
+
+def posterior_of(
+    velocity: FloatArray, perforated: np.ndarray, V50: float, link: str = "probit"
+) -> Posterior:
+    """Compute the posterior of shots whose likelihood is largest at a V50 [m/s]."""
+    return Posterior(velocity, perforated, LOG_CDF[link], float(LINKS[link].std()), V50)
+
+
+def bounds_V50(
+    velocity: ArrayLike, perforated: ArrayLike, near: float, confidence: float = 0.95
+) -> bool:
+    """Tell whether shots are so many, and fall such that the interval of V50, looked for from a near
+    one [m/s], needs no prior."""
+    V = np.asarray(velocity, float)
+    likelihood = _Likelihood(V, np.asarray(perforated, bool), "probit", penalised=True)
+    return V.size >= ENOUGH and _bounds(likelihood, near, confidence)
+
+
+def _bounds(likelihood, near, confidence):
+    """Whether the profile of V50 has fallen far enough at `_FAR` ranges to either side, or at 0."""
+    at, _, top = _top_over_V50(likelihood, near)
+    reach = _FAR * likelihood.range
+    floor = top - 0.5 * float(chi2.ppf(confidence, 1))
+    ends = max(at - reach, 0.0), at + reach
+    return all(likelihood.maximise_at(end)[0] < floor for end in ends)
+
+
+def _more_shots(likelihood, near, confidence):
+    """How many more shots bound V50, and make it ENOUGH of them, if each shot were fired again as
+    often with its outcome; None if more than `_MOST_TIMES` those fired would be needed."""
+    fired = likelihood.V.size
+
+    def bounded(more):
+        repeated = copy(likelihood)
+        repeated.times = (fired + more) / fired
+        return fired + more >= ENOUGH and _bounds(repeated, near, confidence)
+
+    most = _MOST_TIMES * fired
+    if bounded(0):
+        return 0
+    if not bounded(most):
+        return None
+    return bisect_left(range(most), True, lo=1, key=bounded)
 
 
 def fallen(
@@ -298,9 +421,15 @@ def band(
     """Compute intervals (k, 2) [m/s] of the velocities at which the shares `probabilities`
     perforate."""
     V = np.asarray(velocity, float)
-    likelihood = _Likelihood(V, np.asarray(perforated, bool), curve.link, penalised=True)
+    hit = np.asarray(perforated, bool)
+    law = LINKS[curve.link]
+    if curve.by_prior:
+        posterior = posterior_of(V, hit, curve.V50, curve.link)
+        ends = [posterior.interval(law.ppf(P), curve.confidence) for P in probabilities]
+        return np.array(ends)
+    likelihood = _Likelihood(V, hit, curve.link, penalised=True)
     middle, steepness, _ = _top_over_V50(likelihood, curve.V50)
-    places = [(P, middle + LINKS[curve.link].ppf(P) / steepness) for P in probabilities]
+    places = [(P, middle + law.ppf(P) / steepness) for P in probabilities]
     return np.array([interval(likelihood, P, at, curve.floor) for P, at in places])
 
 
@@ -321,7 +450,7 @@ def _edge(above, inside, step):
         near = far
         # doubled: an open interval is found in a few steps
         far = inside + 2 * (far - inside)
-        if abs(far - inside) > 100 * abs(step):
+        if abs(far - inside) > _FAR * abs(step):
             if step > 0:
                 return inf
             return -inf

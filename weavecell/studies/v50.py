@@ -162,6 +162,8 @@ class Study:
             "v50_low_m_s": low,
             "v50_high_m_s": high,
             "v50_reason": curve.reason,
+            "v50_by_prior": curve.by_prior,
+            "v50_more_shots": curve.more_shots,
             **self.six_shots.summary(),
             "confidence": curve.confidence,
             "standard_deviation_m_s": curve.deviation,

@@ -203,7 +203,7 @@ def shots_beside_tests(pyplot):
     line = np.linspace(80, high, 7)
     wanted = {
         "no loss of velocity": [[low, low], [high, high]],
-        "V50 of the tests\n84.0 m/s\n(grey: 95 % interval)": [[84, 0], [84, 1]],
+        "V50 of the tests\n84.0 m/s\n(grey: 95 % interval)\nwith a prior": [[84, 0], [84, 1]],
         "computed critical\nvelocity 91.0 m/s": [[91, 0], [91, 1]],
         "tests, Lambert-Jonas": xy(line, 0.3 * line),
         "computed, Lambert-Jonas": xy(line, 0.6 * line),
@@ -986,7 +986,7 @@ def perforation(pyplot):
     inner = edges.clip(78, 113)
     P = pictures_uncertainty._PROBABILITIES
     upper = {
-        "95 % of the probit": Among(xy(inner[:, 0], P), xy(inner[:, 1], P)),
+        "95 % of the probit, with a prior": Among(xy(inner[:, 0], P), xy(inner[:, 1], P)),
         "probit": xy(grid, curves["probit"].probability(grid)),
         "logit": xy(grid, curves["logit"].probability(grid)),
         "stopped": xy(V, -0.03 - lift)[~hit],
