@@ -273,11 +273,17 @@ def family_of(fabric: Fabric) -> Family | None:
     """Find the fibre family of a fabric: the one that the file names, with wider ranges if the
     yarns do not belong to it; else the one that both yarns belong to, by modulus and fibre density;
     None if there is none."""
-    yarns = fabric.weave.yarns
+    # weaving takes of the modulus, and fibres are told by that which they had before
+    share = fabric.sources.get("weaving_damage.modulus", {}).get("value", 1.0)
+    fibres = [(yarn.E / share, yarn.fibre_density) for yarn in fabric.weave.yarns]
+
+    def holds_both(family):
+        return all(family.holds_fibre(*fibre) for fibre in fibres)
+
     if fabric.family is None:
-        return next((family for family in list_families() if all(map(family.holds, yarns))), None)
+        return next(filter(holds_both, list_families()), None)
     named = next(family for family in list_families() if family.name == fabric.family)
-    if all(map(named.holds, yarns)):
+    if holds_both(named):
         return named
     return named.for_other_yarns()
 

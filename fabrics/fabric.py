@@ -168,8 +168,8 @@ class Fabric:
         warp, weft = (yarn.woven(damage) for yarn in self.weave.yarns)
         entry = {"source": damage.source, "status": damage.status}
         sources = {}
-        for key in ("modulus", "strength"):
-            sources[f"weaving_damage.{key}"] = {"value": getattr(damage, key), **entry}
+        for key, share in damage.shares.items():
+            sources[f"weaving_damage.{key}"] = {"value": share, **entry}
         return replace(
             self,
             weave=replace(self.weave, warp=warp, weft=weft),

@@ -71,8 +71,10 @@ class Yarn:
         ------
         InputError : a failure strain that is not below 1
         """
-        failure_strain = self.failure_strain * damage.strength / damage.modulus
-        return replace(self, E=damage.modulus * self.E, failure_strain=failure_strain)
+        modulus = damage.shares.get("modulus", 1.0)
+        strength = damage.shares.get("strength", 1.0)
+        failure_strain = self.failure_strain * strength / modulus
+        return replace(self, E=modulus * self.E, failure_strain=failure_strain)
 
 
 def striking_velocity(c: float, strain: float) -> float:
@@ -91,7 +93,7 @@ class WeavingDamage:
 
     Parameters
     ----------
-    modulus, strength : [-] shares that are retained; 1 is a yarn before weaving
+    modulus, strength : [-] shares that are retained; None of what stays as it is
     source : where the shares come from
     status : of STATUSES
 
@@ -100,17 +102,23 @@ class WeavingDamage:
     InputError : a share that is not above 0 and at most 1, an unknown status, or no source
     """
 
-    modulus: float
-    strength: float
-    source: str
+    modulus: float | None = None
+    strength: float | None = None
+    source: str = ""
     status: str = "assumed"
 
     def __post_init__(self) -> None:
         with placed(None, "weaving_damage."):
-            for key in ("modulus", "strength"):
-                if not 0 < getattr(self, key) <= 1:
+            for key, share in self.shares.items():
+                if not 0 < share <= 1:
                     refuse(self, key, "above 0 and at most 1")
             if self.status not in STATUSES:
                 refuse(self, "status", " or ".join(STATUSES))
             if not self.source:
                 refuse(self, "source", "given")
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """{"modulus", "strength": [-]} of those that are given."""
+        both = {"modulus": self.modulus, "strength": self.strength}
+        return {name: share for name, share in both.items() if share is not None}

@@ -19,6 +19,10 @@ from shellfabric.loop.hooks import Snapshots
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.plies.model import Pack
 
+# share of the thickness by which the nose moves in the shortest run, and its fewest steps
+CONTACT = 0.1
+FEWEST_STEPS = 10
+
 
 def check_impact(
     setup: ImpactSetup,
@@ -43,7 +47,28 @@ def check_impact(
         positive(setup, "snapshot_interval")
     if setup.history:
         histories.Recorder(made.plies, setup.history)
+    _check_times(setup, made.time_step)
     return made
+
+
+def _check_times(setup, time_step):
+    """Refuse a run in which nothing happens, and samples that are closer than steps, or never taken."""
+    touched = CONTACT * setup.fabric.weave.thickness / setup.strike_velocity
+    least = max(touched, FEWEST_STEPS * time_step)
+    if setup.end_time < least:
+        allowed = f"at least {1e6 * least:.2g} us, in which the nose moves a tenth of a thickness"
+        raise InputError(key="end_time", value=_in_us(setup.end_time), allowed=allowed)
+    step = f"a time step, {1e9 * time_step:.3g} ns"
+    if setup.snapshot_interval is not None and setup.snapshot_interval < time_step:
+        value = _in_us(setup.snapshot_interval)
+        raise InputError(key="snapshot_interval", value=value, allowed=f"at least {step}")
+    if setup.history and not time_step <= setup.history.interval <= setup.end_time:
+        allowed = f"from {step}, to the end of the run, {_in_us(setup.end_time)}"
+        raise InputError(key="interval", value=_in_us(setup.history.interval), allowed=allowed)
+
+
+def _in_us(time):
+    return f"{1e6 * time:.4g} us"
 
 
 def run_impact(

@@ -144,14 +144,7 @@ def material(
         fabric = plausible.noted(given, refuses=False)
     plain = fabric
     if table.weaving_damage is not None:
-        fabric = fabric.with_weaving_damage(WeavingDamage(**table.weaving_damage.model_dump()))
-        fabric = assumed.given(fabric, data_sheet.STRENGTH_AFTER_WEAVING)
-        shares = {name: getattr(table.weaving_damage, name) for name in ("modulus", "strength")}
-        numbers = [
-            plausible.Number(f"{key}.weaving_damage.{name}", "weaving_damage", share)
-            for name, share in shares.items()
-        ]
-        fabric = plausible.noted(fabric, numbers, file=file)
+        fabric = _weaken(fabric, table.weaving_damage, f"{key}.weaving_damage", file)
     panel = getattr(scene, "panel", None)
     if panel is not None and panel.rate_dependence:
         try:
@@ -171,7 +164,7 @@ def material(
     woven = "weaving_damage.strength" in fabric.sources
     if data_sheet.STRENGTH_AFTER_WEAVING in fabric.assumed and not woven:
         entry = assumed.shot_entries(fabric)[data_sheet.STRENGTH_AFTER_WEAVING]
-        damage = WeavingDamage(1.0, entry.value, entry.source, entry.status)
+        damage = WeavingDamage(strength=entry.value, source=entry.source, status=entry.status)
         fabric = fabric.with_weaving_damage(damage)
     fabric = _drop_given_frictions(fabric, getattr(scene, "projectile", None), panel)
     fabric = _add_trellis_law(fabric, getattr(scene, "trellis_law", "needed"), file)
@@ -193,6 +186,19 @@ def material(
                 name = "panel.ply_contact"
             raise problem.changed(file=file, key=name) from None
     return Material(fabric, laws, law_name)
+
+
+def _weaken(fabric, table, key, file):
+    """The fabric with the shares that [fabric.weaving_damage] gives; what it leaves out stays as it is."""
+    damage = WeavingDamage(**table.model_dump())
+    numbers = [
+        plausible.Number(f"{key}.{name}", "weaving_damage", share)
+        for name, share in damage.shares.items()
+    ]
+    fabric = plausible.noted(fabric.with_weaving_damage(damage), numbers, file=file)
+    if damage.strength is not None:
+        fabric = assumed.given(fabric, data_sheet.STRENGTH_AFTER_WEAVING)
+    return fabric
 
 
 def _fabric(table, key, file):
@@ -409,6 +415,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
+        _check_positions(scene.history, panel.opening)
         made = ShortSetup(**given)
         made.check_contact_points()
     except InputError as problem:
@@ -416,6 +423,18 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     for note in made.notes if file is not None else ():
         LOG.info(f"note: {note}")
     return made
+
+
+def _check_positions(history, opening):
+    """Refuse positions of the report that are given and lie beyond the edge."""
+    if history is None or not history.sets("report_positions"):
+        return
+    half = 0.5 * opening if isinstance(opening, float) else 0.5 * max(opening)
+    for position in history.report_positions:
+        if abs(position) > half:
+            value = f"{1e3 * position:g} mm"
+            allowed = f"within the opening, at most {1e3 * half:g} mm from the impact point"
+            raise InputError(key="history.report_positions", value=value, allowed=allowed)
 
 
 def _collect_given(table, *but):

@@ -106,11 +106,18 @@ class WeavingDamageTable(Table):
     """
 
     modulus: number(
-        "modulus of the woven yarn over the modulus of the virgin yarn", 0.9, gt=0.0, le=1.0
-    ) = 1.0
+        "modulus of the woven yarn over the modulus of the virgin yarn; if not given, 1",
+        0.9,
+        gt=0.0,
+        le=1.0,
+    ) = None
     strength: number(
-        "strength of the woven yarn over the strength of the virgin yarn", 0.8, gt=0.0, le=1.0
-    ) = 1.0
+        "strength of the woven yarn over the strength of the virgin yarn; if not given, it is assumed as without "
+        "this table",
+        0.8,
+        gt=0.0,
+        le=1.0,
+    ) = None
     source: Annotated[
         str,
         described(
@@ -122,6 +129,12 @@ class WeavingDamageTable(Table):
     status: one_of("whether the ratios are measured or assumed, kept in the results", *STATUSES) = (
         "assumed"
     )
+
+    @model_validator(mode="after")
+    def _check_one_share(self):
+        if self.modulus is None and self.strength is None:
+            raise InputError("is missing", key="modulus", allowed="given, or strength")
+        return self
 
 
 class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its model_config

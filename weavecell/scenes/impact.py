@@ -202,6 +202,18 @@ class BackingTable(Table, BlockKeys):  # type: ignore[misc] # frozen by its mode
     )
 
     @model_validator(mode="after")
+    def _check_material(self):
+        data = "density modulus poisson yield_stress hardening rate_exponent".split()
+        if self.material is None and not any(map(self.sets, data)):
+            raise InputError(
+                "is missing",
+                key="material",
+                allowed="the name of a backing (`weavecell backings list`), or its data: density, modulus, "
+                "poisson and yield_stress",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _check_three_lengths(self):
         if len(self.size) != 3:
             raise InputError(key="size", allowed="three lengths")
