@@ -383,6 +383,8 @@ def sample_backing(draw, half):
     material = draw.choice(BACKINGS)
     if material:
         found["material"] = material
+    else:
+        found["modulus"] = "100 MPa"
     if draw.chance(0.3):
         found["standoff"] = _text(draw.uniform(0, 3), "mm")
     return found

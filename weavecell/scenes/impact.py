@@ -203,8 +203,8 @@ class BackingTable(Table, BlockKeys):  # type: ignore[misc] # frozen by its mode
 
     @model_validator(mode="after")
     def _check_material(self):
-        data = "density modulus poisson yield_stress hardening rate_exponent".split()
-        if self.material is None and not any(map(self.sets, data)):
+        data = (self.density, self.modulus, self.poisson, self.yield_stress, self.hardening)
+        if self.material is None and not any(number is not None for number in data):
             raise InputError(
                 "is missing",
                 key="material",

@@ -58,7 +58,7 @@ def test_an_own_limit_of_addresses_counts():
         (wc.impact, {"plies": 3, "elements_per_crossover": 1}, "opening", "18,723 elements"),
         (
             wc.impact,
-            {"backing": {"min_size": "2 mm"}},
+            {"backing": {"modulus": "100 MPa", "min_size": "2 mm"}},
             "opening",
             "5,929 elements with a block of ",
         ),

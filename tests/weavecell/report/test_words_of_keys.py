@@ -4,7 +4,7 @@ import pytest
 
 import weavecell as wc
 from tests.scene_text import merged
-from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
+from tests.weavecell.scenes.test_keys_reach import ENTRIES, LEAST, ROOT, SHOT, row, with_value
 from weavecell.report import chapters
 from weavecell.report.shot import chapters_shot
 from weavecell.scenes import build
@@ -42,7 +42,8 @@ def said(table):
 def test_a_key_is_told(key, monkeypatch):
     monkeypatch.chdir(ROOT)
     context, value, *_ = row(key)
-    base = merged(merged(SHOT, {key.partition(".")[0]: {}}), context)
+    table = key.partition(".")[0]
+    base = merged(merged(SHOT, {table: LEAST.get(table, {})}), context)
     assert said(with_value(base, key, value)) != said(base)
 
 
@@ -97,7 +98,7 @@ ONE_OF = {
             "backing": "gelatine 20 %"
         },
         "Its outer faces are absorbing. It is followed for 2 ms after": {
-            "backing": {"outer_boundary": "absorbing", "after_stop": "2 ms"}
+            "backing": {"modulus": "100 MPa", "outer_boundary": "absorbing", "after_stop": "2 ms"}
         },
     },
 }

@@ -80,7 +80,7 @@ def test_a_slip_of_the_modulus_is_said_of_the_modulus():
     "options, message",
     [
         ({"weaving_damage": {"source": "made up"}}, "weaving_damage.modulus: is missing; must be given, or strength"),
-        ({"backing": {"size": ["90 mm", "80 mm", "30 mm"]}}, "backing.material: is missing; must be the name of a backing"),
+        ({"backing": {"standoff": "2 mm"}}, "backing.material: is missing; must be the name of a backing"),
         ({"end_time": "40 ns"}, "end_time = '0.04 us': must be at least 0.46 us, in which the nose moves a tenth of a"),
         ({"history": {"interval": "1 ns"}}, "interval = '0.001 us': must be from a time step, "),
         ({"history": {"interval": "70 us"}}, "to the end of the run, 60 us"),

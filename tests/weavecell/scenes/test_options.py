@@ -19,7 +19,7 @@ OPTIONS = read(
 pack = { panel = { plies = 2, ply_gap = "0.05 mm" } }
 turned = { panel = { stacking = "alternating" } }
 "ply friction" = { panel = { ply_friction = 0.3 } }
-backing = { backing = { size = ["60 mm", "60 mm", "30 mm"], min_size = "3 mm", growth = 1.5 } }
+backing = { backing = { modulus = "100 MPa", size = ["60 mm", "60 mm", "30 mm"], min_size = "3 mm", growth = 1.5 } }
 oblique = { panel = { symmetry = "whole" }, projectile = { obliquity = "30 deg" } }
 named = { projectile = { name = "FSP 1.10 g", mass = "", diameter = "", edge_radius = "" } }
 bar = { projectile = { body = "elastic_bar" } }
