@@ -25,7 +25,9 @@ from shellfabric.coupon.model import Coupon, mesh_coupon
 from validation.claims.readers import KEVLAR, crimped, derivative
 from validation.models.cell_equations import departure
 from validation.values import Values, largest, rms
+from weavecell.studies import biaxial_fit
 from weavecell.studies.biaxial_path import CellPath
+from weavecell.studies.biaxial_tests import BiaxialTest
 
 if TYPE_CHECKING:
     from fabrics.yarn import Yarn
@@ -324,6 +326,22 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Val
         "weft": largest(cell["T2"] - path["T2"]) / path["T2"].max(),
         "energy": largest(cell["W"] - work) / work.max(),
     }
+
+
+def centreline_error(path: Any, fabric: str, centreline: str, own_law: bool) -> float:
+    """Compute the RMS of both tensions of a cell less those of the 3D crossover, over the strengths,
+    along a path of the crossover up to its strength; with the published law, or a and b fitted to
+    the path (`own_law`)."""
+    given = catalogue.load(fabric)
+    model = CellModel(given, cell_formulation="equilibrium", centreline=centreline)
+    strength = np.array([yarn.strength for yarn in given.weave.yarns])
+    load = np.stack([path["T1"], path["T2"]], axis=1)
+    strain = np.stack([path[key] / w for key, w in zip(("d1", "d2"), given.weave.w)], axis=1)
+    sound = (load <= strength).all(axis=1)
+    test = BiaxialTest("3D crossover", strain[sound], load[sound])
+    if own_law:
+        model = biaxial_fit.fit(model, [test], with_profiles=False).model
+    return rms((biaxial_fit.loads_of(model, test) - test.load) / strength)
 
 
 def cell_error(path: Any, fabric: str) -> float:
