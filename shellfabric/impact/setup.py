@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, product
 from math import ceil, degrees, inf, pi
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -40,6 +40,18 @@ OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 )
+
+
+# of a ply: its fabric, and (warp, weft) laws, None of the published ones
+Material: TypeAlias = tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]
+
+
+class Mesh(NamedTuple):
+    """Elements of a ply: along each side of a crossover, None where a grading says it; and the grading,
+    None of elements that are all alike."""
+
+    elements_per_crossover: int | None
+    grading: tuple | None
 
 
 @dataclass(frozen=True)
@@ -231,8 +243,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
         angles = self._oblique_angles
         if not (self.weave_angle or self.round or any(self.impact_point) or angles - {0.0}):
             return
-        for one in self.meshed.kinds:
-            flat = one.panel(one.plain_table())
+        for flat in self.plain_panels():
             for angle in sorted(angles):
                 panel = at_angle(flat, angle)
                 yield panel.fabric.name, np.array(panel.held_opening)
@@ -254,45 +265,41 @@ class ImpactSetup(PanelSetup, CellNumbers):
         except InputError:
             return found
 
-    @cached_property
-    def kinds(self) -> tuple[ImpactSetup, ...]:
-        """The same shot at one ply of each fabric and laws of the lay-up, that of the first ply
-        first."""
-        found = [replace(self, plies=1, lay_up=())]
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """(fabric, laws) of the plies, each once, those of the first ply first."""
+        found = [(self.fabric, self.laws)]
         for ply in self.lay_up:
-            one = replace(found[0], fabric=ply.fabric, laws=ply.laws)
-            if one not in found:
-                found.append(one)
+            if (ply.fabric, ply.laws) not in found:
+                found.append((ply.fabric, ply.laws))
         return tuple(found)
 
     def kind_of(self, ply: int) -> ImpactSetup:
         """Return the same shot at one ply alone of the fabric and laws of a ply, the first is 0, not
         turned."""
-        kind = self.kinds[0]
+        of = {"fabric": self.fabric, "laws": self.laws}
         if self.lay_up:
-            return replace(kind, fabric=self.lay_up[ply].fabric, laws=self.lay_up[ply].laws)
-        return kind
-
-    @property
-    def resolved_elements_per_crossover(self) -> int:
-        """Elements per crossover that are given, or those of the default."""
-        if self.elements_per_crossover is not None:
-            return self.elements_per_crossover
-        if self.crossovers is not None:
-            return 1
-        needed = 2 * max(self.fabric.weave.w) / (ELEMENT_SIDE * self.projectile.radius)
-        if self.grading is not None:
-            return 1
-        return min(max(1, ceil(needed)), MOST_ELEMENTS)
+            of = {"fabric": self.lay_up[ply].fabric, "laws": self.lay_up[ply].laws}
+        return replace(self, plies=1, lay_up=(), **of)
 
     @cached_property
     def meshed(self) -> ImpactSetup:
-        """The set-up with the mesh that is used: the given one, or the default, which follows from
-        the failure length.
+        """The set-up with the mesh that is used, see `mesh`."""
+        if self.mesh == self._given_mesh:
+            return self
+        return replace(self, **self.mesh._asdict())
+
+    @property
+    def _given_mesh(self):
+        return Mesh(self.elements_per_crossover, self.grading)
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """The mesh that is used: the given one, or the default, which follows from the failure length.
 
         As far as anything can come under the projectile an element is at most RESOLVED failure
-        lengths long, and no longer than `resolved_elements_per_crossover` allows, with
-        MOST_ELEMENTS to a crossover at most. Further out elements are twice as long and longer, up
+        lengths long, and no longer than ELEMENT_SIDE of the projectile's radius, with MOST_ELEMENTS
+        to a crossover at most. Further out elements are twice as long and longer, up
         to two crossovers. A yarn whose end is not clamped may be drawn under the projectile from
         anywhere: then all elements are alike, unless a block holds the fabric back
         (`keeps_its_middle`).
@@ -303,8 +310,8 @@ class ImpactSetup(PanelSetup, CellNumbers):
         """
         given = self.grading is not None or self.elements_per_crossover is not None
         if given or self.crossovers is not None:
-            return self
-        return self.graded()
+            return self._given_mesh
+        return self._grade()
 
     @property
     def clamped(self) -> bool:
@@ -330,8 +337,9 @@ class ImpactSetup(PanelSetup, CellNumbers):
         lengths = [
             2 * max(fabric.weave.w) / (resolved * fabric.failure_length) for fabric in self.fabrics
         ]
-        under_the_nose = [one.resolved_elements_per_crossover for one in self.kinds]
-        return min(max(ceil(max(lengths) - 1e-9), *under_the_nose), MOST_ELEMENTS)
+        side = ELEMENT_SIDE * self.projectile.radius
+        under_the_nose = [2 * max(fabric.weave.w) / side for fabric, _ in self.materials]
+        return min(max(ceil(max(lengths) - 1e-9), *map(ceil, under_the_nose)), MOST_ELEMENTS)
 
     def graded(self, resolved: float = RESOLVED, longest: int = 2) -> ImpactSetup:
         """Return the set-up with the mesh that follows from the failure length: graded, or uniform
@@ -346,19 +354,21 @@ class ImpactSetup(PanelSetup, CellNumbers):
         ------
         InputError : as `panel`
         """
+        return replace(self, **self._grade(resolved, longest)._asdict())
+
+    def _grade(self, resolved=RESOLVED, longest=2):
+        """The Mesh of `graded`."""
         count = self._count_elements(resolved)
         if not self.keeps_its_middle:
-            return replace(self, elements_per_crossover=count)
-        # uniform panels with free edges reach over all of their fabric
-        held = replace(self, boundary="clamped")
-        fine = [replace(one, elements_per_crossover=count) for one in held.kinds]
+            return Mesh(count, self.grading)
+        materials = list(self.materials)
         if any(self.is_turned(ply) for ply in range(self.plies)):
-            fine += [
-                replace(one, fabric=rotated_90(one.fabric), laws=one.laws and one.laws[::-1])
-                for one in fine
-            ]
+            materials += [(rotated_90(of), laws and laws[::-1]) for of, laws in materials]
+        # uniform panels with free edges reach over all of their fabric
+        fine = Mesh(count, self.grading)
         # the reach does not depend on the values of the table
-        plain = [one.panel(one.plain_table()) for one in fine]
+        tables = [self._plain_table(*of) for of in materials]
+        plain = [self._make_panel(table, fine, boundary="clamped") for table in tables]
         needed = 0
         for panel, angle in product(plain, self._oblique_angles | {0.0}):
             turned = at_angle(panel, angle)
@@ -380,7 +390,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
                 side = Fraction(1)
             else:
                 side = 2 * side
-        return replace(self, grading=(*zones, (inf, float(longest))))
+        return Mesh(self.elements_per_crossover, (*zones, (inf, float(longest))))
 
     @property
     def snapshots(self) -> int:
@@ -397,19 +407,22 @@ class ImpactSetup(PanelSetup, CellNumbers):
         return self.audit_interval
 
     def cell(self) -> CellModel | SurfaceCell:
-        """Return the crossover's cell."""
+        """Return the crossover's cell; of a lay-up, that of its first ply."""
+        return self._cell(self.fabric, self.laws)
+
+    def _cell(self, fabric, laws):
+        """The cell of a ply of a fabric and laws."""
         if self.surface is not None:
-            return SurfaceCell(self.fabric, self.surface, self.cell_formulation)
+            return SurfaceCell(fabric, self.surface, self.cell_formulation)
         reach = UNFAILING
         if self.yarn_failure:
             reach = 1.0
-        fabric = self.fabric
         if self.rate_dependence and fabric.strain_rate is not None:
             reach = max(reach, *fabric.strain_rate.strength)
             fabric = fabric.at_high_rate()
         return CellModel(
             fabric,
-            self.laws,
+            laws,
             self.crossover_gap,
             self.cell_model,
             self.cell_formulation,
@@ -436,10 +449,23 @@ class ImpactSetup(PanelSetup, CellNumbers):
     def plain_table(self) -> CellTable:
         """Fill a coarse table, of straight yarns if it is no response surface's: for the geometry
         of a panel alone."""
-        cell = self.cell()
+        return self._plain_table(self.fabric, self.laws)
+
+    def _plain_table(self, fabric, laws):
+        """The coarse table of a ply of a fabric and laws."""
+        cell = self._cell(fabric, laws)
         if isinstance(cell, SurfaceCell):
             return cell.table(11)
         return CellTable.straight(cell)
+
+    def plain_panels(self) -> list[Panel]:
+        """Build one ply of each of `materials`, with coarse tables: for the geometry alone.
+
+        Raises
+        ------
+        InputError : as `panel`
+        """
+        return [self._make_panel(self._plain_table(*of)) for of in self.materials]
 
     def panel(self, table: CellTable | None = None) -> Panel:
         """Build one ply, of several the first, with its own table or one that a like set-up has
@@ -449,13 +475,19 @@ class ImpactSetup(PanelSetup, CellNumbers):
         ------
         InputError : as `table` and Panel
         """
-        if self.meshed is not self:
-            return self.meshed.panel(table)
+        return self._make_panel(table or self.table())
+
+    def _make_panel(self, table, mesh=None, **changes):
+        """One ply with a table, in a Mesh, None of the one that is used, and with `changes` of its fields."""
+        if mesh is None:
+            mesh = self.mesh
         own: dict[str, Any] = self.of_ply() | {
-            "table": table or self.table(),
+            "table": table,
             "opening": tuple(np.broadcast_to(self.opening, 2).tolist()),
             "bending": tuple(np.broadcast_to(self.bending, 2).tolist()),
-            "elements_per_crossover": self.resolved_elements_per_crossover,
+            "elements_per_crossover": mesh.elements_per_crossover or 1,
+            "grading": mesh.grading,
+            **changes,
         }
         if self.crossovers is not None:
             return YarnPanel(**own, resolved=self.crossovers)
@@ -496,15 +528,9 @@ class ImpactSetup(PanelSetup, CellNumbers):
     def _pack(self, panel):
         """The plies, of which `panel` is the first, with yarns that are all alike."""
         if self.lay_up:
-            used = self.meshed
-            kinds = [
-                replace(
-                    one, grading=used.grading, elements_per_crossover=used.elements_per_crossover
-                )
-                for one in self.kinds
-            ]
-            panels = [panel, *(one.panel() for one in kinds[1:])]
-            numbers = [self.kinds.index(self.kind_of(ply)) for ply in range(self.plies)]
+            others = [self._cell(*of).table(self.table_size) for of in self.materials[1:]]
+            panels = [panel, *map(self._make_panel, others)]
+            numbers = [self.materials.index((ply.fabric, ply.laws)) for ply in self.lay_up]
             return Pack.laid_up(
                 [(panels[number], ply.angle) for number, ply in zip(numbers, self.lay_up)],
                 gaps=[ply.gap for ply in self.lay_up[:-1]],

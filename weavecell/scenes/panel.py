@@ -395,6 +395,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         Field(description="a table { weibull_shape = 14.3, seed = 1 }"),
         Unread("export", "left out: cards have one strength"),
         Unread("v50", "left out: a V50 draws the strengths itself"),
+        Unread("patch", "left out: the yarns of a patch are all alike"),
     ] = None
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
@@ -416,6 +417,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
             "auto",
         ),
         Unread("export", '"pinned": no law here lets yarns slip'),
+        Unread("patch"),
     ] = "pinned"
 
     @property

@@ -77,7 +77,7 @@ def choose(
             return Choice(
                 True, f"pinned ones unzip, {one.number} times those under the nose are cut"
             )
-    panels = [one.panel(one.plain_table()) for one in with_pinned(setup).kinds]
+    panels = with_pinned(setup).plain_panels()
     needed = friction_of_plies(panels, velocity)
     if needed is None:
         # a nose wider than those of the bisections, or a block behind the fabric

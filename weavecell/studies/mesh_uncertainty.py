@@ -167,7 +167,7 @@ def halve_elements(setup: ImpactSetup) -> ImpactSetup:
 def _zones(setup):
     """((until, side), ...) [crossovers] of the mesh of a set-up, graded or not."""
     ply = setup.meshed
-    return ply.grading or ((inf, 1 / ply.resolved_elements_per_crossover),)
+    return ply.grading or ((inf, 1 / (ply.elements_per_crossover or 1)),)
 
 
 def _with(setup, zones):

@@ -28,7 +28,7 @@ from fabrics.fabric import Fabric
 from meshing import patch
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.panel_numbers import PanelNumbers
+from shellfabric.panel_numbers import CellNumbers, PanelNumbers
 from shellfabric.solids.mesh import SolidMesh
 from shellfabric.solids.model import SolidPatch, check_projectile
 from shellfabric.solids.solver import SolidSolver
@@ -106,6 +106,7 @@ class SmallPatch:
         for key in ("backing", "surface"):
             if getattr(shot, key) is not None:
                 raise InputError(key=key, value="given", allowed="left out for a patch")
+        refuse_unread(CellNumbers, shot, "solids", "solid yarns")
         refuse_unread(PanelNumbers, shot, "solids", "solid yarns")
         check_projectile(shot.projectile)
         assumed.with_solid_laws(shot.fabric)
@@ -135,8 +136,11 @@ class SmallPatch:
 
     @property
     def zone(self) -> YarnZone:
-        """The whole patch as a zone of resolved yarns."""
-        given = self.shot.crossovers or self.shot.instead or YarnZone()
+        """The whole patch as a zone of resolved yarns, with the assumed friction of its fibres if none
+        is given."""
+        given = self.shot.crossovers or self.shot.instead
+        if given is None:
+            given = YarnZone(friction=assumed.friction_between_yarns(self.shot.fabric).number)
         return replace(given, half_width=inf)
 
     @property
@@ -156,32 +160,42 @@ class SmallPatch:
         yield self.strike_solids
 
     def strike_pinned(self) -> Struck:
-        """Strike the panel with pinned crossovers, on a mesh of like elements as fine as its default
-        mesh is about the nose."""
+        """Strike the panel with pinned crossovers."""
+        return self._strike_panel("pinned", self.pinned_setup())
+
+    def strike_yarns(self) -> Struck:
+        """Strike the patch of resolved yarns."""
+        return self._strike_panel("yarns", self.yarns_setup())
+
+    def pinned_setup(self) -> ImpactSetup:
+        """Return the shot at the patch with pinned crossovers, on a mesh of like elements as fine as
+        its default mesh is about the nose."""
         used = self.shot.meshed
         count = used.elements_per_crossover
         if used.grading is not None:
             count = round(1 / float(used.grading[0][1]))
-        return self._strike_panel("pinned", 0.0, elements_per_crossover=count)
+        return self._panel_setup(0.0, elements_per_crossover=count)
 
-    def strike_yarns(self) -> Struck:
-        """Strike the patch of resolved yarns."""
+    def yarns_setup(self) -> ImpactSetup:
+        """Return the shot at the patch of resolved yarns; the nose has some time to touch it."""
         weave = self.fabric.weave
         before = 2 * (weave.thickness + max(weave.w)) / self.shot.strike_velocity
-        return self._strike_panel("yarns", before, elements_per_crossover=1, crossovers=self.zone)
+        return self._panel_setup(before, elements_per_crossover=1, crossovers=self.zone)
+
+    def solids(self) -> dict[str, Any]:
+        """Return {parameter: value} of the SolidPatch, but for its mesh."""
+        return {
+            "fabric": self.fabric,
+            "projectile": self.shot.projectile,
+            "aim": self._off({"gap": 0.0, "crossover": 0.5}),
+            "friction": self.friction,
+            "failure": self.shot.yarn_failure,
+        }
 
     def strike_solids(self, mesh: Any = None) -> Struck:
         """Strike the patch of solid yarns; `mesh` is one of `meshing.patch` that has been made."""
         mesh = mesh or patch.build(self.fabric, (self.crossings,) * 2, size=self.size)
-        patched = SolidPatch(
-            SolidMesh.of(mesh),
-            self.fabric,
-            self.shot.projectile,
-            aim=self._off({"gap": 0.0, "crossover": 0.5}),
-            friction=self.friction,
-            fibre_fractions=tuple(mesh.Vf0),
-            failure=self.shot.yarn_failure,
-        )
+        patched = SolidPatch(SolidMesh.of(mesh), **self.solids(), fibre_fractions=tuple(mesh.Vf0))
         solver = SolidSolver(patched, self.shot.strike_velocity, self.duration, interval=INTERVAL)
         clock = StepClock()
         solver.run([clock])
@@ -204,10 +218,10 @@ class SmallPatch:
         x, y = (2 * spacing * w for w in self.fabric.weave.w)
         return float(x), float(y)
 
-    def _strike_panel(self, model, before, **choices):
-        """Strike a panel of as many crossovers, whose middle is one of them; the nose has `before`
+    def _panel_setup(self, before, **choices):
+        """The shot at a panel of as many crossovers, whose middle is one of them; the nose has `before`
         [s] to touch it."""
-        setup = replace(
+        return replace(
             self.shot,
             opening=tuple(2 * w * self.crossings for w in self.fabric.weave.w),
             boundary="clamped",
@@ -225,6 +239,8 @@ class SmallPatch:
             bending=0.0,
             **{"crossovers": None, "instead": None} | choices,
         )
+
+    def _strike_panel(self, model, setup):
         clock = StepClock()
         result = run_impact(setup, hooks=[clock])
         t, z, v, force = result.step_history.T[:4]

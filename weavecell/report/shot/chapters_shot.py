@@ -362,7 +362,7 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
     """Describe the mesh, of a set-up with the mesh that was used."""
     weave = setup.fabric.weave
     if setup.grading is None:
-        side = 1 / setup.resolved_elements_per_crossover  # [crossovers]
+        side = 1 / (setup.mesh.elements_per_crossover or 1)  # [crossovers]
         where = ""
     else:
         side = setup.grading[0][1]
