@@ -61,6 +61,9 @@ SYNONYMS = {
     "outcome": ("result", "penetration"),
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
+    # of data sheets
+    "warp": ("ends",),
+    "weft": ("fill", "filling", "picks"),
 }
 # what instruments write for a unit, in small letters
 _UNITS = {
@@ -489,6 +492,9 @@ def _check_lengths(rows, heading, needed, path):
         if len(heading) == 2:
             allowed = "two numbers"
         message = decimal_comma(cells)
+        # a comma that separates may have been meant for a decimal one
+        if len(cells) > len(heading) > 2:
+            message = decimal_comma(",".join(cells))
         if len(cells) == 2 * len(heading):
             message = "if these are decimal commas, separate the columns by semicolons"
         raise InputError(

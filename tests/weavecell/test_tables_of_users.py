@@ -133,6 +133,7 @@ def test_values_of_a_data_sheet_in_other_forms(tmp_path):
     others = (
         "Key;Warp;Weft;Source\nthickness;0,35 mm;;\nlinear_density;1100 dtex;930,5 dtex;a list\n",
         "Sheet 12,,\n# rev. 3\n" + plain,
+        plain.replace("warp,weft", "ends,fill"),
         "key,warp,weft,source,page\nthickness,0.35 mm,,,1\n"
         "linear_density,1100 dtex,930.5 dtex,a list,2\n",
     )
@@ -144,7 +145,7 @@ def test_values_of_a_data_sheet_in_other_forms(tmp_path):
         path.write_text(text)
         rows = read_table(path, columns, what="a sheet", example="key", optional=("source",)).rows()
         found.append([cells for _, cells in rows])
-    assert found[1:] == [found[0]] * 3
+    assert found[1:] == [found[0]] * 4
     assert found[0][1] == {
         "key": "linear_density",
         "warp": "1100 dtex",
