@@ -12,7 +12,6 @@ The folder of `weavecell compare`
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -30,12 +29,14 @@ from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.limits import NO_LIMIT, CriticalVelocityResult
+from weavecell.api.result import say_before_range
 from weavecell.api.run_size import StudySize
 from weavecell.api.scatter import V50Result
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import is_input_file, list_assumptions, resolve_target
 from weavecell.report import installed
-from weavecell.results import out_folder
+from weavecell.results import finding, out_folder
+from weavecell.results.finding import Finding
 from weavecell.results.left_out import LeftOut
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
 NAMES = ("difference.json", "difference.csv", "difference.svg", "report.html", "a/*", "b/*")
 # what is computed of each: its name in words
 QUANTITIES = {"v50": "V50", "critical-velocity": "critical velocity"}
+# [-] by which areal densities differ at most that V50 alone compares
+ALIKE = 0.03
 # fields of a set-up that a comparison is about
 COMPARED = (
     *("fabric", "laws", "surface", "lay_up", "plies", "stacking", "ply_gap", "ply_friction"),
@@ -141,7 +144,7 @@ class ComparisonPlan(Plan["ComparisonResult"]):
             result = running.save(ComparisonResult(self.quantity, *results))
             if not self.over:
                 return result
-            logging.getLogger("weavecell").info(f"{result.lines()[0]}; the range follows")
+            say_before_range(result.mark(result.lines()[0]))
             around = _range_of_difference(
                 self.panels, self.tolerance, part(2, parts), running.cache
             )
@@ -480,6 +483,12 @@ class ComparisonResult(DrawnResult):
         return (*self.a.checks, *self.b.checks)
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is doubtful of A and of B."""
+        parts = [f"{x}: {doubt}" for x, one in zip("AB", (self.a, self.b)) for doubt in one.doubts]
+        return tuple(parts)
+
+    @property
     def assumed(self) -> tuple[str, ...]:
         """Lines that name what is assumed of the fabrics."""
         lines = [line for panel in self.targets for line in list_assumptions(panel.setup)]
@@ -507,18 +516,55 @@ class ComparisonResult(DrawnResult):
         ]
 
     @property
+    def heavier(self) -> float:
+        """Areal density of A over that of B, less 1."""
+        a, b = self.areal_densities
+        return a / b - 1
+
+    def _energies(self):
+        """(value, low, high) [J m2/kg] of A and of B: energy over areal density at V50 or limit and at
+        the ends of its interval."""
+        found = []
+        for panel, result, density in zip(self.targets, (self.a, self.b), self.areal_densities):
+            speeds = (_value(result), *_span(result))
+            found.append([0.5 * panel.setup.projectile.mass * v**2 / density for v in speeds])
+        return found
+
+    def _per_mass(self):
+        """Which takes more energy per areal density, in words, where the masses differ; else ""."""
+        from weavecell.studies import paired
+
+        if abs(self.heavier) <= ALIKE:
+            return ""
+        of_a, of_b = self._energies()
+        _, low, high = paired.subtract(of_a, of_b)
+        verdict = paired.judge(low, high)
+        if verdict != paired.UNDECIDED:
+            verdict = f"A is {verdict}"
+        mass = (
+            f"A has {100 * abs(self.heavier):.0f} % {'more' if self.heavier > 0 else 'less'} mass"
+        )
+        energies = f"{of_a[0]:.1f} against {of_b[0]:.1f} J per kg/m²"
+        return f"per areal density, by the shots, {verdict}, {energies}; {mass}; as a whole "
+
+    @property
     def headline(self) -> tuple[str, str]:
-        """Which is better, and by how much."""
+        """Which is better, and by how much; per areal density first where the masses differ."""
         from weavecell.studies import paired
 
         a, b = self.names
         difference = self.difference
         if difference.reason:
             return f"{a}, or {b}", f"not decided: {difference.reason}"
+        mass = self._per_mass()
+        colon = ":" if mass else ""
         low, high = self.interval
         by = f"{QUANTITIES[self.quantity]} {difference.value:+.1f} m/s ({low:+.1f} to {high:+.1f})"
         if self.verdict == paired.UNDECIDED:
-            return f"{a}, or {b}", f"not decided: {by}; {self._what_decides()}"
+            words = f"{mass}not decided: {by}; {self._what_decides()}"
+            return f"{a}, or {b}{colon}", words
+        if mass:
+            return f"{a}, or {b}{colon}", f"{mass}A is {self.verdict}, {by}"
         return a, f"{self.verdict} than {b}: {by}"
 
     def _what_decides(self):
@@ -557,8 +603,7 @@ class ComparisonResult(DrawnResult):
                 f"{label}: {name} {_value(result):.1f} m/s{span}, {1e3 * density:.0f} g/m², "
                 f"{energy:.1f} J per kg/m²"
             )
-        heavier = 100 * (self.areal_densities[0] / self.areal_densities[1] - 1)
-        lines.append(f"mass of A: {heavier:+.1f} % against B")
+        lines.append(f"mass of A: {100 * self.heavier:+.1f} % against B")
         if self.quantity == "v50" and not difference.reason:
             lines.append(
                 f"difference by {difference.shots} shots at each: {difference.low:+.1f} to "
@@ -648,7 +693,7 @@ class ComparisonResult(DrawnResult):
         from weavecell.report.shot import chapters_shot
         from weavecell.results.left_out import lines_of
 
-        picture = pictures.draw_figure("difference", "", self.draw)
+        picture = pictures.draw_figure("difference", "", self.draw_marked)
         tables = [Table.from_frame(self.table())]
         if len(widths := self.widths()):
             caption = "Width over the number of shots, if the difference stays as it is"
@@ -658,23 +703,25 @@ class ComparisonResult(DrawnResult):
         sections = [Section("result", "A and B", "", (picture,), tuple(tables), points)]
         if self.assumed_range is not None:
             sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
-        label, value = self.headline
-        cards = [Card("A against B", self.verdict, (value,))]
+        found = Finding(*self.headline, self.doubts)
+        cards = [Card("A against B", self.verdict, (*found.lines, found.value), found.tone)]
         for name, result, density in zip(self.names, (self.a, self.b), self.areal_densities):
-            lines = (f"{1e3 * density:.0f} g/m²", *map(str, result.lines()[:1]))
-            cards.append(Card(name, f"{_value(result):.1f} m/s", lines))
+            of_one = Finding(name, f"{_value(result):.1f} m/s", result.doubts)
+            lines = (*of_one.lines, f"{1e3 * density:.0f} g/m²", *result.lines()[:1])
+            cards.append(Card(name, of_one.value, lines, of_one.tone))
         fabrics = list({f.name: f for panel in self.targets for f in panel.setup.fabrics}.values())
         setup, case = self.a.target.setup, self.a.target.case
         lead = f"A: {chapters.describe_shot(setup, case and case.scene)}"
         setup, case = self.b.target.setup, self.b.target.case
         lead += f" B: {chapters.describe_shot(setup, case and case.scene)}"
         seconds = {"both studies": self.b.wall_time}
-        chapters.write(
-            out, self.title, lead, fabrics, cards, sections, stamp, seconds, f"{label} {value}."
-        )
+        banner = finding.mark(f"{found.label} {found.value}.", found.doubts)
+        of_page = (lead, fabrics, cards, sections, stamp, seconds, banner, found.tone)
+        chapters.write(out, self.title, *of_page)
 
     def __str__(self) -> str:
-        return "\n".join((*self.lines(), *self._closing_lines()))
+        first, *others = self.lines()
+        return "\n".join((self.mark(first), *others, *self._closing_lines()))
 
 
 def _outcomes(result):

@@ -47,6 +47,7 @@ from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, run_folder
+from weavecell.results.finding import Finding
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -526,8 +527,7 @@ class CouponResult(Result):
         result_folder.keep_input(folder, self.text, self.case.scene, Path())
         files.write(folder / "coupon.csv", self.to_csv())
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
-        content |= self._what_is_assumed()
-        content |= {"provenance": stamp}
+        content |= self._what_is_assumed() | {"provenance": stamp}
         json_file.write_summary(folder / "summary.json", content)
         outputs = self.case.scene.run.outputs
         if not outputs or not installed.can_draw():
@@ -562,12 +562,12 @@ class CouponResult(Result):
 
         case = self.case
         facts = self.record.facts
-        tone = "stopped"
+        colour = "stopped"
         if self.outcome == "unstable":
-            tone = "unstable"
+            colour = "unstable"
+        found = Finding(pictures_coupon.TESTS[facts["test"]], self.outcome, self.doubts, colour)
         lines = [" ".join(line.split()) for line in self.lines()]
-        test = pictures_coupon.TESTS[facts["test"]]
-        card = page.Card(test, self.outcome, tuple(lines), tone)
+        card = page.Card(found.label, found.value, (*found.lines, *lines), found.tone)
         laws = {case.law_name: case.laws}
         cell = chapters.cell(case.fabric, laws, case.scene.fabric.cell_model)
         chapters.write(
@@ -579,12 +579,13 @@ class CouponResult(Result):
             (section, cell, checks.section(self.checks)),
             stamp,
             {"test": facts["wall_time_s"]},
-            f"{section.title}: {self.outcome}, {lines[0]}.",
-            tone,
+            self.mark(f"{section.title}: {self.outcome}, {lines[0]}."),
+            found.tone,
         )
 
     def __str__(self) -> str:
-        return "\n".join((f"{self.record.facts['title']}: {self.outcome}", *self.lines()))
+        first = self.mark(f"{self.record.facts['title']}: {self.outcome}")
+        return "\n".join((first, *self.lines()))
 
 
 class PullOutResult(CouponResult):

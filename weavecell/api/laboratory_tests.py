@@ -237,7 +237,7 @@ class TestsResult(DrawnResult):
 
     def summary(self) -> dict[str, Any]:
         """Return V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
-        return self.reduced.summary()
+        return self.reduced.summary() | self._what_is_doubtful()
 
     def _columns(self):
         return self.reduced.table
@@ -247,6 +247,11 @@ class TestsResult(DrawnResult):
         from weavecell.report import pictures
 
         return pictures.draw_tests_and_shots(pyplot, self.tests, self.reduced, None)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is doubtful of the tests."""
+        return self.reduced.doubts
 
     @out_folder.saving(*OF_TESTS)
     def save(self, out: FilePath) -> None:
@@ -265,7 +270,8 @@ class TestsResult(DrawnResult):
         }
 
     def __str__(self) -> str:
-        return "\n".join(self.reduced.lines(self.tests))
+        first, *others = self.reduced.lines(self.tests)
+        return "\n".join((self.mark(first), *others))
 
 
 @dataclass(frozen=True, repr=False)
@@ -299,7 +305,12 @@ class TestsBesideShots(StudyResult):
         """Return V50 of the tests, computed critical velocity and residual velocities, with
         intervals."""
         named = {"fabric": self.target.title, "projectile": self.target.projectile}
-        return named | self.comparison.summary()
+        return named | self.comparison.summary() | self._what_is_doubtful()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """As in `Result`, of the computed shots; and what is doubtful of the tests."""
+        return (*self.comparison.tests.doubts, *super().doubts)
 
     @property
     def headline(self) -> tuple[str, str]:

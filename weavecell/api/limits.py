@@ -34,6 +34,7 @@ from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
+from weavecell.api.result import say_before_range
 from weavecell.api.run_size import StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import list_assumptions, resolve_target
@@ -160,7 +161,7 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
         running.save(result)
         if over is None:
             return result
-        logging.getLogger("weavecell").info(f"{result.lines()[0]}; its range follows")
+        say_before_range(result.mark(result.lines()[0]))
         return running.save(replace(result, assumed_range=self._range(over, study, running)))
 
     def _search(self, panel, running):
@@ -450,6 +451,12 @@ class CriticalVelocityResult(StudyResult):
 
     def _what(self):
         return ": ".join((f"{self.target.title}, critical velocity", *self._doubt()))
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """As in `Result`; and if the limit rests on a doubtful shot."""
+        ends = () if self.bracket_checks == checks.OK else ("the limit rests on a doubtful shot",)
+        return (*ends, *super().doubts)
 
     def _doubt(self):
         """A line if the limit is not sound."""

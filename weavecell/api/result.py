@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from textwrap import shorten
@@ -13,7 +14,7 @@ from fabrics.base.door import in_terminal
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
 from weavecell.api.user_warnings import warn_user
-from weavecell.results import display, glossary, keys, one_table
+from weavecell.results import display, finding, glossary, keys, one_table
 from weavecell.results.keys import Key
 from weavecell.results.left_out import LeftOut, lines_of
 
@@ -48,9 +49,19 @@ class Result:
         return ()
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is doubtful of the result, in words: names of the quality checks that are beyond their
+        limits, and what else its numbers rest on."""
+        return finding.list_doubts(self.checks)
+
+    @property
     def doubtful(self) -> bool:
-        """Whether a quality check is beyond its limit."""
-        return any(check.doubtful for check in self.checks)
+        """Whether anything of the result is doubtful."""
+        return bool(self.doubts)
+
+    def mark(self, line: str) -> str:
+        """Return a line about the result with what is doubtful of it."""
+        return finding.mark(line, self.doubts)
 
     @property
     def checks_text(self) -> str:
@@ -71,7 +82,10 @@ class Result:
     def warn(self) -> None:
         """Warn with the category `DoubtfulResult` if the result is doubtful."""
         if self.doubtful:
-            warn_user(f"{self._what()}: {self.checks_text}", DoubtfulResult)
+            words = self.checks_text
+            if not any(check.doubtful for check in self.checks):
+                words = f"doubtful: {'; '.join(self.doubts)}"
+            warn_user(f"{self._what()}: {words}", DoubtfulResult)
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -95,16 +109,22 @@ class Result:
         return list(self._lines_of(assumed.laws))
 
     def _what_is_assumed(self) -> dict[str, Any]:
-        """Entries of a summary: what is assumed, and the range over it."""
+        """Entries of a summary: what is doubtful, what is assumed, and the range over it."""
         around = getattr(self, "assumed_range", None)
-        entries = {}
+        entries = self._what_is_doubtful()
         if self.assumed:
-            entries = {"assumed": "; ".join(self.assumed)}
+            entries |= {"assumed": "; ".join(self.assumed)}
         if self.left_out:
             entries["left_out"] = "; ".join(part.text for part in self.left_out)
         if around is None:
             return entries
         return entries | {"assumed_range": around.words()}
+
+    def _what_is_doubtful(self) -> dict[str, str]:
+        """The entry of a summary and of a JSON file: what is doubtful; none where nothing is."""
+        if not self.doubts:
+            return {}
+        return {"doubts": "; ".join(self.doubts)}
 
     def _what(self) -> str:
         """The result in a few words, for the warning."""
@@ -136,7 +156,10 @@ class Result:
             parts.append(f"assumed: {len(laws)} laws")
         if self.checks_text != "ok":
             parts.append(f"checks {self.checks_text}")
-        return f"{type(self).__name__}({shorten('; '.join(parts), _LONGEST, placeholder=' ...')})"
+        words = shorten("; ".join(parts), _LONGEST, placeholder=" ...")
+        if self.doubts and "doubtful" not in words.lower():
+            words = f"{words}; doubtful"
+        return f"{type(self).__name__}({words})"
 
     def _closing_lines(self) -> list[str]:
         """What closes the printed result: what its numbers leave out and, in Python, checks that are not
@@ -195,6 +218,14 @@ class Result:
                 f"<details{opened}><summary>all values, {len(table)} rows</summary>{rows}</details>",
             )
         )
+
+
+def say_before_range(line: str) -> None:
+    """Say what is known before the range over what is assumed is computed, which takes many runs and
+    may find none."""
+    log = logging.getLogger("weavecell")
+    log.info(line)
+    log.info("the range over what is assumed is computed now")
 
 
 def plain(value: object) -> bool:

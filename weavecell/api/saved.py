@@ -12,6 +12,7 @@ from fabrics.base.errors import InputError
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
+from weavecell.results import finding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -114,6 +115,11 @@ class SavedResult(Result):
             return page
         return None
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What was doubtful of the result."""
+        return tuple(filter(None, self.content.get("doubts", "").split("; ")))
+
     def summary(self) -> dict[str, Any]:
         """Return the numbers and texts of its JSON file; what is in tables there is in `content`."""
         return {key: value for key, value in self.content.items() if plain(value)}
@@ -124,7 +130,7 @@ class SavedResult(Result):
         return {key: [value] for key, value in self.summary().items()}
 
     def __str__(self) -> str:
-        lines = [f"{self.folder}, {self.name}"]
+        lines = [self.mark(f"{self.folder}, {self.name}")]
         lines += [f"{key}: {value}" for key, value in self.summary().items() if value is not None]
         return "\n".join(lines)
 
@@ -177,4 +183,4 @@ def _name_of(result, number):
     """What a curve is called."""
     folder = getattr(result, "folder", None) or getattr(result, "read_from", None)
     title = Path(folder).name if folder else getattr(result, "title", type(result).__name__)
-    return f"{number}: {title}"
+    return finding.tag(f"{number}: {title}", result.doubts)

@@ -307,6 +307,14 @@ class V50Result(StudyResult):
         return float(self.study.curves["probit"].intervals["V50"][1])
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """How many shots have which checks beyond their limits; and exchanged outcomes."""
+        shots = self.study.shots
+        counts = Counter(name for shot in shots for name in shot.doubtful)
+        parts = [f"{name} in {count} of {len(shots)} shots" for name, count in counts.most_common()]
+        return (*parts, *filter(None, [self.study.six_shots.doubt]))
+
+    @property
     def assumed_range(self) -> AssumedRange | None:
         """Of V50, or of the limit without scatter, over what is assumed."""
         return self.study.assumed_range

@@ -40,11 +40,11 @@ from fabrics.base.extras import explain_missing
 from fabrics.fabric import Fabric
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import Result, figure
+from weavecell.api.result import Result, figure, say_before_range
 from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import installed
-from weavecell.results import keys, out_folder, progress, run_folder
+from weavecell.results import finding, keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.results.left_out import (
@@ -427,7 +427,7 @@ def _with_range(shot, with_ends, folder):
     """
     from weavecell.studies import assumed_range
 
-    logging.getLogger("weavecell").info(f"{shot.headline()}; its range follows")
+    say_before_range(shot.headline())
     runs = None
     if folder is not None:
         shot.save_numbers(folder)
@@ -454,7 +454,7 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "assumed", "assumed_range", "left_out", "wall_time"),
+    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "left_out", "wall_time"),
 )
 
 
@@ -593,7 +593,7 @@ class ShotResult(ImpactRecord, Result):
         """Draw a matplotlib figure: velocity of the projectile [m/s] against time [us]."""
         from weavecell.report import pictures
 
-        label = f"{self.fabric_name}, {self.strike_velocity:g} m/s"
+        label = finding.tag(f"{self.fabric_name}, {self.strike_velocity:g} m/s", self.doubts)
         return figure(pictures.velocity, {label: (self.time, self.velocity)})
 
     @explain_missing()
@@ -708,7 +708,7 @@ class ShotResult(ImpactRecord, Result):
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
-        content |= summarise(self.left_out)
+        content |= summarise(self.left_out) | self._what_is_doubtful()
         if self.chosen:
             content["chosen"] = self.chosen
         content |= (
@@ -781,7 +781,7 @@ class ShotResult(ImpactRecord, Result):
             stamp,
             {"time integration": self.wall_time},
             chapters_shot.outcome(self),
-            self.outcome,
+            chapters_shot.find(self).tone,
             (chapters_shot.settings(setup.meshed),),
         )
 
@@ -792,7 +792,7 @@ class ShotResult(ImpactRecord, Result):
         parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.target is not None:
             parts.append(name_friction(self.target.setup, self.assumed_range))
-        return "; ".join(filter(None, (*parts, self.chosen)))
+        return self.mark("; ".join(filter(None, (*parts, self.chosen))))
 
     def __str__(self) -> str:
         from weavecell.report import chapters_discretisation

@@ -3,6 +3,7 @@ of them."""
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,8 @@ from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
 from weavecell.api.target import list_assumptions
 from weavecell.report import installed
-from weavecell.results import out_folder
+from weavecell.results import finding, out_folder
+from weavecell.results.finding import Finding
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 
 if TYPE_CHECKING:
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 # the first card of the report holds so many lines
 CARD_LINES = 2
+# characters of a line of a title
+WIDTH_OF_TITLE = 90
 
 
 class DrawnResult(Result):
@@ -37,9 +41,22 @@ class DrawnResult(Result):
         added, a text for CSV; nothing for the picture (.svg or .png)."""
         raise NotImplementedError
 
+    def draw_marked(self, pyplot: Any) -> Figure:
+        """Draw the picture, with what is doubtful of it in its title."""
+        drawn = self.draw(pyplot)
+        if self.doubts:
+            top = drawn.axes[0]
+            # titles stand at the left, in the style of the reports
+            words = [
+                top.get_title(loc="left"),
+                *textwrap.wrap(finding.name(self.doubts), WIDTH_OF_TITLE),
+            ]
+            top.set_title("\n".join(filter(None, words)), loc="left")
+        return drawn
+
     def plot(self) -> Figure:
         """Draw a matplotlib figure."""
-        return figure(self.draw)
+        return figure(self.draw_marked)
 
     def _write_files(self, folder, stamp):
         from weavecell.report import pictures
@@ -49,12 +66,12 @@ class DrawnResult(Result):
         for name, content in self.files().items():
             kind = name.partition(".")[2]
             if kind == "json":
-                content |= summarise(self.left_out)
+                content |= summarise(self.left_out) | self._what_is_doubtful()
                 json_file.write(folder / name, content | {"provenance": stamp})
             elif content:
                 files.write(folder / name, content)
             elif drawn:
-                files.write(folder / name, pictures.render(self.draw, kind=kind))
+                files.write(folder / name, pictures.render(self.draw_marked, kind=kind))
 
 
 class StudyResult(DrawnResult):
@@ -94,6 +111,11 @@ class StudyResult(DrawnResult):
         """What was looked for, and what was found, in a few words."""
         return "Result", self.lines()[0]
 
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        return Finding(*self.headline, self.doubts)
+
     def table(self) -> DataFrame:
         """Return the table of the page, columns with their units."""
         return self._labelled_columns()
@@ -122,9 +144,10 @@ class StudyResult(DrawnResult):
 
         setup = self.target.setup
         case = self.target.case
-        label, value = self.headline
+        found = self.finding
+        label, value = found.label, found.value
         lines = [*self.lines(), *lines_of(self.left_out)]
-        picture = pictures.draw_figure("result", "", self.draw)
+        picture = pictures.draw_figure("result", "", self.draw_marked)
         table = Table.from_frame(self.table())
         sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
         outcome = f"{label} {value}"
@@ -138,12 +161,9 @@ class StudyResult(DrawnResult):
                 shown.insert(0, span)
         laws = list_assumptions(setup)
         sections.append(chapters_shot.assumptions(setup, laws, drawn=self.draws_strengths))
-        outcome += "."
+        outcome = finding.mark(f"{outcome}.", found.doubts)
         if self.checks:
             sections.append(checks.section(self.checks))
-        doubtful = [check.name for check in self.checks if check.doubtful]
-        if doubtful:
-            outcome += f" DOUBTFUL: {', '.join(doubtful)}."
         seconds = {}
         if hasattr(self, "wall_time"):
             seconds["study"] = self.wall_time
@@ -154,8 +174,11 @@ class StudyResult(DrawnResult):
         # a sweep has a target for each row
         if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
-        cards = (Card(label, value, tuple(shown)), *chapters.law_cards(case))
-        chapters.write(out, title, lead, setup.fabrics, cards, sections, stamp, seconds, outcome)
+        card = Card(label, value, (*found.lines, *shown), found.tone)
+        cards = (card, *chapters.law_cards(case))
+        of_page = (lead, setup.fabrics, cards, sections, stamp, seconds, outcome, found.tone)
+        chapters.write(out, title, *of_page)
 
     def __str__(self) -> str:
-        return "\n".join((*self.lines(), *self._closing_lines()))
+        first, *others = self.lines()
+        return "\n".join((self.mark(first), *others, *self._closing_lines()))

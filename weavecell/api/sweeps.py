@@ -464,12 +464,20 @@ class SweepTable(StudyResult):
 
     def summary(self) -> dict[str, Any]:
         """Count the rows of each outcome."""
-        return dict(Counter(row["outcome"] for row in self.rows))
+        return dict(Counter(row["outcome"] for row in self.rows)) | self._what_is_doubtful()
 
     def _columns(self):
         from pandas import DataFrame
 
         return DataFrame(self.rows)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """How many rows are doubtful."""
+        count = sum(str(row.get("checks", "")).startswith("doubtful") for row in self.rows)
+        if not count:
+            return ()
+        return (f"{count} of {len(self.rows)} rows",)
 
     @property
     def headline(self) -> tuple[str, str]:
@@ -479,7 +487,7 @@ class SweepTable(StudyResult):
         over = f"over {self._varied_words}"
         label = quantity.label.partition(" [")[0].capitalize()
         values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
-        outcomes = list(self.summary())
+        outcomes = list(dict.fromkeys(row["outcome"] for row in self.rows))
         # one that all share, such as "stopped", says more than their residual velocities of 0
         if len(outcomes) == 1 and not any(values):
             count = {1: "", 2: "both "}.get(len(self.rows), f"all {len(self.rows)} ")
@@ -658,7 +666,7 @@ class SweepResult(Result, Sequence):
             for name, value in self.summary().items()
             if name not in ("shots", "checks")
         )
-        return f"{len(self.shots)} shots: {counts}; checks: {self.checks_text}"
+        return self.mark(f"{len(self.shots)} shots: {counts}; checks: {self.checks_text}")
 
     def _columns(self):
         from pandas import DataFrame

@@ -96,7 +96,8 @@ def command(
         if returns == "DataFrame":
             print(format_for_terminal(result))
         elif getattr(result, "read_from", None) is not None:
-            print(run_folder.say_done(result.title, result.outcome, result.read_from))
+            said = run_folder.say_done(result.title, result.outcome, result.read_from)
+            print(result.mark(said))
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
@@ -108,10 +109,11 @@ def command(
                 print("words:", *explained, sep="\n", flush=True)
             if "out" in values and not values.get("check") and not read_again:
                 print(f"written to {values['out']}", flush=True)
-            checks.report(result.checks, strict)
-        elif strict and result is not None and result.doubtful:
+            checks.report(result.checks)
+        if strict and result is not None and result.doubtful:
             # the folder of a run that was finished before
-            raise DoubtfulError("the result is doubtful")
+            doubts = "; ".join(getattr(result, "doubts", ()))
+            raise DoubtfulError(": ".join(filter(None, ["the result is doubtful", doubts])))
 
     signature = [
         _parameter(parameter, meanings.get(parameter.name, "")) for parameter in parameters

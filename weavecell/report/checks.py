@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.errors import DoubtfulError
 from shellfabric.membrane.indicator import DOUBTFUL, NOTED, OK, status
 from weavecell.report.page import Section, Table
 
@@ -68,18 +67,11 @@ def judge_bracket(limit: Limit) -> str:
     return f"doubtful {' and '.join(doubtful)}"
 
 
-def report(indicators: Sequence[Indicator], strict: bool = False) -> None:
-    """Print one line if the run is doubtful, and one if something of it is noted.
-
-    Raises
-    ------
-    DoubtfulError : it is doubtful, and `strict`; to be called when all results have been written
-    """
+def report(indicators: Sequence[Indicator]) -> None:
+    """Print one line if the run is doubtful, and one if something of it is noted."""
     for level in (NOTED, DOUBTFUL):
         if text := line(indicators, level):
             print(f"checks: {level}: {text}", flush=True)
-    if strict and text:
-        raise DoubtfulError(f"the result is doubtful: {text}")
 
 
 def section(indicators: Sequence[Indicator]) -> Section:

@@ -33,7 +33,9 @@ class Card:
     label: str
     headline: str
     lines: tuple[str, ...] = ()
-    tone: str = "plain"  # "stopped", "perforated", "unstable" colour the card; "plain" does not
+    tone: str = (
+        "plain"  # "stopped", "perforated", "unstable", "doubtful" colour the card; "plain" does not
+    )
 
 
 @dataclass(frozen=True)

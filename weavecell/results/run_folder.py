@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.base.errors import WeavecellError
-from weavecell.results import json_file
+from weavecell.results import finding, json_file
 from weavecell.results.file_list import FileList
 
 
@@ -38,7 +38,9 @@ class Finished:
         return self.content["checks"]["status"] == "doubtful"
 
     def __str__(self) -> str:
-        return say_done(self.content["title"], self.content["outcome"], self.folder)
+        doubts = filter(None, self.content.get("doubts", "").split("; "))
+        said = say_done(self.content["title"], self.content["outcome"], self.folder)
+        return finding.mark(said, doubts)
 
 
 def say_done(title: str, outcome: str, folder: Path) -> str:

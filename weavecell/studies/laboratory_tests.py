@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import isinf, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,8 @@ OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", "perforated
 CONFIDENCE = 0.95
 # shares of perforations whose velocities are reported beside V50
 SHARES = {"V0": probit.LOW, "V10": 0.1, "V90": 0.9}
+# tests that come again one after the other are a list that was pasted, not chance
+FEWEST_PASTED = 3
 # [m/s] a faster shot in a table of tests is a slip of the unit
 FASTEST = 1000.0
 
@@ -139,6 +141,12 @@ class ReducedTests:
             "lambert_jonas_tested": asdict(self.lambert_jonas),
         }
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is doubtful of the tests: exchanged outcomes, a list that was pasted several times."""
+        rows = [tuple(row) for row in self.table.fillna(-1.0).itertuples(index=False)]
+        return tuple(filter(None, [self.six_shots.doubt, doubt_repeats(rows)]))
+
     def spread(self) -> dict[str, tuple[float, float, float]]:
         """Return {"s" and the names of SHARES: (value, low, high) [m/s]} of the curve; NaN where
         there is none."""
@@ -180,6 +188,15 @@ class ReducedTests:
             f"tests: {self.six_shots.words()}",
             f"tests, Lambert-Jonas: {self.lambert_jonas.words()}",
         ]
+
+
+def doubt_repeats(rows: Sequence[object]) -> str:
+    """Say that a list of tests is a shorter one several times over, as by pasting; else ""."""
+    count = len(rows)
+    for length in range(FEWEST_PASTED, count // 2 + 1):
+        if count % length == 0 and list(rows) == list(rows[:length]) * (count // length):
+            return f"the {count} tests are the same {length} tests {count // length} times"
+    return ""
 
 
 def reduce(tests: DataFrame) -> ReducedTests:
@@ -287,4 +304,10 @@ def _fit(table, kind, limit):
     velocity is known."""
     shots = table.dropna(subset=[f"{kind}_residual_velocity_m_s"])
     residual = shots[f"{kind}_residual_velocity_m_s"].where(shots[kind] == "perforated", 0.0)
-    return lambert_jonas.fit(shots["strike_velocity_m_s"], residual, limit=limit)
+    fit = lambert_jonas.fit(shots["strike_velocity_m_s"], residual, limit=limit)
+    through = int((table[kind] == "perforated").sum())
+    known = int((shots[kind] == "perforated").sum())
+    if fit.reason and known < through:
+        reason = f"{through - known} of {through} perforations have no residual velocity"
+        return replace(fit, reason=reason)
+    return fit

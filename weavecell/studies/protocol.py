@@ -44,12 +44,14 @@ class SixShots:
     velocity, spread : [m/s] mean of the six, and the highest less the lowest; NaN without them
     met : [ft/s] the narrowest of SPREADS that the six are within, None of a wider spread
     reason : why there is no such V50, or ""
+    doubt : what the outcomes of all shots say against it, or ""
     """
 
     velocity: float = nan
     spread: float = nan
     met: int | None = None
     reason: str = ""
+    doubt: str = ""
 
     def words(self) -> str:
         """Write V50 with its spread, or why there is none."""
@@ -58,6 +60,8 @@ class SixShots:
         )
         if self.reason:
             return f"{name} not determined, because {self.reason}"
+        if self.doubt:
+            return f"{name} {self.velocity:.1f} m/s is no result: {self.doubt}"
         spread = f"{self.spread:.1f} m/s ({self.spread / FOOT:.0f} ft/s)"
         if self.met:
             met = f"meets {self.met} ft/s"
@@ -86,10 +90,27 @@ def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
     hit = np.asarray(perforated, bool)
     chosen = _choose_pairs(V[~hit].tolist(), V[hit].tolist())
     if len(chosen) < 2 * PAIRS:
-        return SixShots(reason=f"{np.sum(~hit)} shots stopped and {np.sum(hit)} perforated")
+        reason = f"{np.sum(~hit)} shots stopped and {np.sum(hit)} perforated"
+        return SixShots(reason=reason, doubt=doubt_outcomes(V, hit))
     spread = max(chosen) - min(chosen)
     met = next((width for width in SPREADS if round(spread / FOOT, 3) <= width), None)
-    return SixShots(float(np.mean(chosen)), spread, met)
+    doubt = doubt_outcomes(V, hit)
+    if doubt:
+        met = None
+    return SixShots(float(np.mean(chosen)), spread, met, doubt=doubt)
+
+
+def doubt_outcomes(velocity: ArrayLike, perforated: ArrayLike) -> str:
+    """Say that outcomes seem exchanged, where shots that perforate are the slower ones; else ""."""
+    V = np.asarray(velocity, float)
+    hit = np.asarray(perforated, bool)
+    if hit.all() or not hit.any():
+        return ""
+    through, stopped = V[hit].mean(), V[~hit].mean()
+    if through > stopped:
+        return ""
+    slower = f"perforations ({through:.1f} m/s on average) are no faster than stops ({stopped:.1f})"
+    return f"{slower}: are the outcomes exchanged?"
 
 
 def _choose_pairs(stops: Sequence[float], perforations: Sequence[float]) -> list[float]:

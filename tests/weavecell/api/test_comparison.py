@@ -70,7 +70,8 @@ def test_two_lay_ups_are_drawn_alike_ply_by_ply(tmp_path, succeed):
         (tmp_path / f"{name}.toml").write_text(text)
     out = succeed("compare two.toml three.toml --shots 20 --jobs 1 --no-assumed-range --out r")
     assert out.splitlines()[-1] == "written to r"
-    assert "A, 2 x S-728 worse than B, 3 x S-728: V50 -" in out
+    assert "A, 2 x S-728, or B, 3 x S-728: per areal density, by the shots, " in out
+    assert "A has 33 % less mass; as a whole A is worse, V50 -" in out
     assert {stride for _, _, stride in fired} == {3}
     numbers = {plies: [n for p, n, _ in fired if p == plies] for plies in (2, 3)}
     assert numbers[2] == numbers[3] == list(range(20))

@@ -104,7 +104,7 @@ MADE = {
     "mesh": lambda out: wc.mesh("S-720", mesh="coarse", out=out),
 }
 # of all files, and of results that have a range or a provenance
-SHARED = {"format", "provenance", "assumed", "assumed_range", "left_out", "checks"}
+SHARED = {"format", "provenance", "assumed", "assumed_range", "left_out", "checks", "doubts"}
 
 
 @pytest.mark.parametrize("name", MADE)

@@ -76,7 +76,7 @@ def test_the_computed_limit_stands_beside_v50_of_the_tests(comparison):
 
 def test_too_few_perforations_determine_no_lambert_jonas_curve(comparison):
     assert comparison.tests.lambert_jonas.words() == (
-        "not determined, because 2 perforations do not determine its 3 parameters"
+        "not determined, because 1 of 3 perforations have no residual velocity"
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from weavecell.report import checks, pictures, pictures_comparison
 from weavecell.report.page import Figure, Report, Section, Table
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
-from weavecell.results import display, keys
+from weavecell.results import display, finding, keys
 
 if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
@@ -35,7 +35,10 @@ HEADLINE = (
 
 def names(records: Sequence[ImpactRecord]) -> tuple[str, ...]:
     """Return what A and B are called."""
-    return tuple(f"{letter}, {record.title}" for letter, record in zip(_LETTERS, records))
+    return tuple(
+        finding.tag(f"{letter}, {record.title}", finding.list_doubts(record.checks))
+        for letter, record in zip(_LETTERS, records)
+    )
 
 
 def build(

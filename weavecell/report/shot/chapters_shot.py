@@ -14,8 +14,9 @@ from fabrics.base.door import option
 from weavecell.report import chapters, pictures, pictures_body, pictures_histories
 from weavecell.report.page import Card, Figure, Section, Table
 from weavecell.report.shot import pictures_shot
-from weavecell.results import display, keys
+from weavecell.results import display, finding, keys
 from weavecell.results.display import text
+from weavecell.results.finding import Finding
 from weavecell.studies.energy_map import map_energy
 
 if TYPE_CHECKING:
@@ -65,11 +66,17 @@ def outcome(record: ImpactRecord) -> str:
     if record.outcome != "perforated":
         facts.append(_deflection(record))
     facts.append(_load(record))
-    sentence = f"{words}: {', '.join(facts)}."
-    doubtful = [check.name for check in record.checks if not check.ok]
-    if doubtful:
-        sentence += f" DOUBTFUL: {', '.join(doubtful)}."
-    return sentence
+    return finding.mark(f"{words}: {', '.join(facts)}.", find(record).doubts)
+
+
+def find(record: ImpactRecord) -> Finding:
+    """Return what one impact came to, with what is doubtful of it."""
+    value = record.outcome
+    colour = record.outcome
+    if record.outcome == "in flight":
+        value = "still moving"
+        colour = finding.PLAIN
+    return Finding(record.title, value, finding.list_doubts(record.checks), colour)
 
 
 def residual(record: ImpactRecord) -> str:
@@ -122,13 +129,10 @@ def cut(counts: Sequence[float]) -> str:
 
 def card(record: ImpactRecord) -> Card:
     """Write the card that says what one impact came to."""
-    tone = headline = record.outcome
-    if record.outcome == "in flight":
-        tone = "plain"
-        headline = "still moving"
+    found = find(record)
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
     lines = (residual(record), *_dent(record), _deflection(record), force, _load(record))
-    return Card(record.title, headline, lines, tone)
+    return Card(found.label, found.value, (*found.lines, *lines), found.tone)
 
 
 def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:

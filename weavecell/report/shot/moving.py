@@ -68,9 +68,8 @@ def collect_instants(
 def page(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Report:
     """Build a page of the view alone, in the form of a report."""
     outcome = chapters_shot.outcome(record)
-    return Report(
-        record.title, "", (), (section(record, instants),), outcome=outcome, tone=record.outcome
-    )
+    tone = chapters_shot.find(record).tone
+    return Report(record.title, "", (), (section(record, instants),), outcome=outcome, tone=tone)
 
 
 def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:

@@ -29,7 +29,7 @@ from weavecell.report import page, pictures, pictures3d, pictures_mesh
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import CLAY, INK, RED, STEEL, WARP, WEFT, tension_map
 from weavecell.report.shot import beside, chapters_shot, moving, pictures_shot
-from weavecell.results import vtk
+from weavecell.results import finding, vtk
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.result_folder import HISTORIES, SERIES, open_folder
 
@@ -117,7 +117,10 @@ class Panel:
 
     def headline(self) -> str:
         """Write title and outcome in one line."""
-        return f"{textwrap.shorten(self.record.title, _TITLE, placeholder=' ...')}: {self.record.outcome}"
+        title = textwrap.shorten(self.record.title, _TITLE, placeholder=" ...")
+        return finding.tag(
+            f"{title}: {self.record.outcome}", finding.list_doubts(self.record.checks)
+        )
 
     def caption(self, t: float) -> str:
         """Write time and velocity of an instant."""

@@ -1,0 +1,164 @@
+"""A number stands nowhere without its doubt: each place that shows a result says what is doubtful of it."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
+import pytest
+
+import weavecell as wc
+from shellfabric.membrane.indicator import Indicator
+from tests.weavecell.golden_texts import cases
+from weavecell.cli import app
+from weavecell.report.shot import beside
+from weavecell.studies import ballistic_limit, laboratory_tests, protocol, v50
+
+BAD = Indicator("energy error", 0.031, 0.01, meaning="what the balance misses")
+SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
+# shots 1 to 3 once more and once more
+PASTED = "velocity [m/s], outcome\n" + 3 * "90, PP\n124, CP\n105, CP\n"
+SHORT = {"opening": "20 mm", "end_time": "10 us"}
+MADE = {
+    "critical_velocity": lambda out: wc.critical_velocity("S-720", **SMALL, out=out),
+    "v50": lambda out: wc.v50("S-728", shots=6, batch=6, **SMALL, out=out),
+    "compare": lambda out: wc.compare(
+        "S-720", "S-728", quantity="critical-velocity", **SMALL, out=out
+    ),
+    "sweep": lambda out: wc.sweep(
+        "S-720", over={"panel.opening": ["40 mm", "50 mm"]}, quantity="critical-velocity", out=out
+    ),
+    "tests": lambda out: wc.reduce_tests("pasted.csv", out=out),
+    "comparison": lambda out: wc.reduce_tests("pasted.csv", "S-720", **SMALL, out=out),
+    "impact": lambda out: _with_doubt(wc.impact("S-720", "150 m/s", **SHORT), out),
+    "coupon": lambda out: _with_doubt(
+        wc.coupon("S-720", "picture_frame", shear_angle="4 deg", crossovers=2, steps=2), out
+    ),
+}
+
+
+def _with_doubt(result, out):
+    doubtful = replace(result, checks=(BAD,))
+    doubtful.save(out)
+    return doubtful
+
+
+def fire(setup, velocity, time, stops_below=0.0):
+    """An invented shot, doubtful."""
+    residual = max(velocity**2 - 104.0**2, 0.0) ** 0.5
+    outcome = "perforated" if residual else "stopped"
+    return ballistic_limit.Shot(
+        velocity, residual, outcome, 1e-4, 3.0, (90.0, 70.0), 0.031, 0.5, (BAD,)
+    )
+
+
+@pytest.mark.filterwarnings("ignore::fabrics.base.errors.DoubtfulResult")
+@pytest.mark.parametrize("name", MADE)
+def test_every_place_that_shows_a_result_says_its_doubt(name, tmp_path, monkeypatch):
+    """Terminal, notebook, summary, warning, JSON, what is loaded, banner, card and colour of the page, picture."""
+    monkeypatch.chdir(tmp_path)
+    Path("pasted.csv").write_text(PASTED)
+    with mock.patch.object(ballistic_limit, "_fire", fire):
+        result = MADE[name]("r")
+    (doubt, *_) = result.doubts
+    assert result.doubtful
+    first = str(result).splitlines()[0]
+    assert f"DOUBTFUL: {doubt}" in first
+    notebook = result._repr_html_()
+    assert "DOUBTFUL" in notebook.partition("</b>")[0]
+    assert "DOUBTFUL" in repr(result) or "doubtful" in repr(result)
+    assert doubt in result.summary()["doubts"]
+    with pytest.warns(wc.DoubtfulResult, match="doubtful"):
+        result.warn()
+    (written,) = [p for p in Path("r").glob("*.json") if "doubts" in json.loads(p.read_text())]
+    assert json.loads(written.read_text())["doubts"] == "; ".join(result.doubts)
+    if name not in ("impact", "coupon"):
+        loaded = wc.load("r")
+        assert loaded.doubts == result.doubts
+        assert "DOUBTFUL" in str(loaded).splitlines()[0]
+    page = Path("r/report.html")
+    if page.exists():
+        header = re.sub(r"</?abbr[^>]*>", "", page.read_text("utf-8").partition("<nav>")[0])
+        (tone, banner) = re.search(r'<p class="outcome (\w+)">(.*?)</p>', header, re.S).groups()
+        assert (tone, "DOUBTFUL" in banner) == ("doubtful", True)
+        card = re.search(r'<div class="card (\w+)">(.*?)</div>', header, re.S)
+        assert card[1] == "doubtful"
+        assert "DOUBTFUL" in card[2]
+        # nothing that is doubtful is green or red
+        assert not re.search(r'class="(outcome|card) (stopped|perforated)"', header)
+    if name != "coupon":
+        figure = result.plot()
+        title = " ".join(figure.axes[0].get_title(loc="left").split())
+        legend = title + str(figure.axes[0].get_legend_handles_labels())
+        assert doubt in legend or "(doubtful)" in legend
+
+
+@pytest.mark.filterwarnings("ignore::fabrics.base.errors.DoubtfulResult")
+def test_doubtful_shots_beside_each_other_and_over_each_other(tmp_path):
+    sure = wc.impact("S-720", "150 m/s", **SHORT)
+    doubtful = replace(sure, checks=(BAD,))
+    assert [name.endswith("(doubtful)") for name in beside.names([sure, doubtful])] == [False, True]
+    labels = wc.overlay(sure, doubtful).axes[0].get_legend_handles_labels()[1]
+    assert [label.endswith("(doubtful)") for label in labels] == [False, True]
+
+
+def test_strict_is_for_every_doubt(tmp_path, monkeypatch, capsys):
+    """Also one that is no check, such as a list that was pasted."""
+    monkeypatch.chdir(tmp_path)
+    Path("pasted.csv").write_text(PASTED)
+    with pytest.raises(SystemExit) as leaving:
+        app.main(["reduce", "tests", "pasted.csv", "--out", "r", "--strict"])
+    assert leaving.value.code == 3
+    assert "the 9 tests are the same 3 tests 3 times" in capsys.readouterr().out.splitlines()[0]
+
+
+def test_exchanged_outcomes_have_no_v50_of_six_shots():
+    strikes = [96.0, 99.0, 103.0, 104.0, 108.0, 111.0]
+    right = protocol.six_shots(strikes, [False, False, True, False, True, True])
+    assert (right.met, right.doubt) == (60, "")
+    exchanged = protocol.six_shots(strikes, [True, True, False, True, False, False])
+    assert exchanged.met is None
+    assert "are the outcomes exchanged?" in exchanged.words()
+    assert "meets" not in exchanged.words()
+
+
+def test_only_a_list_that_comes_again_is_pasted():
+    rows = [(90.0, "stopped"), (124.0, "perforated"), (105.0, "perforated")]
+    assert laboratory_tests.doubt_repeats(2 * rows)
+    assert not laboratory_tests.doubt_repeats([*rows, *rows[:2]])
+    # two tests alike are chance
+    assert not laboratory_tests.doubt_repeats(2 * rows[:2])
+    assert not laboratory_tests.doubt_repeats(rows)
+
+
+def test_residual_velocities_that_are_missing_are_the_reason(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("velocity [m/s], outcome\n90, PP\n124, CP\n105, CP\n112, PP\n131, CP\n")
+    reduced = wc.reduce_tests(file).reduced
+    assert reduced.lambert_jonas.reason == "3 of 3 perforations have no residual velocity"
+
+
+@pytest.mark.parametrize("heavier", [True, False])
+def test_panels_of_other_masses_are_compared_per_areal_density_first(heavier, monkeypatch):
+    """A pack of two plies has twice the mass of one; what is alike in mass is compared by V50 alone."""
+    monkeypatch.setattr(ballistic_limit, "_fire", fire)
+    with cases.invented():
+        alike = wc.compare("S-720", "S-720", quantity="critical-velocity", **SMALL)
+    assert "per areal density" not in " ".join(alike.headline)
+    a, b = ("S-720", "S-728") if heavier else ("S-728", "S-720")
+    with cases.invented():
+        other = wc.compare(a, b, quantity="critical-velocity", **SMALL)
+    words = "worse" if heavier else "better"
+    _, value = other.headline
+    assert value.startswith(f"per areal density, by the shots, A is {words}")
+    assert ("more mass" if heavier else "less mass") in value
+    assert value.index("per areal density") < value.index("critical velocity")
+
+
+def test_a_drawn_shot_says_its_checks():
+    of = (1, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (0.0, 0.0), 0.01)
+    assert v50.Shot(*of).checks == "ok"
+    assert (
+        v50.Shot(*of, ("unzipping", "energy error")).checks == "doubtful: unzipping, energy error"
+    )
