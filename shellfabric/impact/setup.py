@@ -277,10 +277,12 @@ class ImpactSetup(PanelSetup, CellNumbers):
     def kind_of(self, ply: int) -> ImpactSetup:
         """Return the same shot at one ply alone of the fabric and laws of a ply, the first is 0, not
         turned."""
-        of = {"fabric": self.fabric, "laws": self.laws}
+        fabric = self.fabric
+        laws = self.laws
         if self.lay_up:
-            of = {"fabric": self.lay_up[ply].fabric, "laws": self.lay_up[ply].laws}
-        return replace(self, plies=1, lay_up=(), **of)
+            fabric = self.lay_up[ply].fabric
+            laws = self.lay_up[ply].laws
+        return replace(self, plies=1, lay_up=(), fabric=fabric, laws=laws)
 
     @cached_property
     def meshed(self) -> ImpactSetup:
