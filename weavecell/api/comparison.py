@@ -246,7 +246,7 @@ def compare(
     'not decided'
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs, strengths, v50
+    from weavecell.studies import inputs, strengths
 
     if quantity not in list(QUANTITIES):
         raise InputError(
@@ -254,15 +254,7 @@ def compare(
         )
     if quantity != "v50":
         quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
-    width = 1.0
-    if tolerance is not None:
-        width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    count = 40
-    if shots is not None:
-        count = quantities.read_whole(shots, "shots", v50.LEAST)
-    first = 1
-    if seed is not None:
-        first = quantities.read_whole(seed, "seed", 0)
+    width, count, first = quantities.read_search(tolerance, shots, seed, usual=(1.0, 40))
     panels = _resolve(target, other, options, quantity)
     for panel in panels:
         with panel.name_problems():

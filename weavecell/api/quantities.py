@@ -84,6 +84,33 @@ def read_positive(value: float | str, unit: str, key: str) -> float:
     return result
 
 
+def read_search(
+    tolerance: float | str | None,
+    shots: int | None,
+    seed: int | None,
+    *,
+    usual: tuple[float | None, int],
+) -> tuple[Any, int, int]:
+    """Read how limits are searched and V50 fired: (tolerance [m/s], shots, seed), with what is usual of
+    the first two, and the seed 1, where they are not given.
+
+    Raises
+    ------
+    InputError : a tolerance that is not positive, too few shots, or no seed
+    """
+    from weavecell.studies import v50
+
+    width, count = usual
+    if tolerance is not None:
+        width = read_positive(tolerance, "m/s", "tolerance")
+    if shots is not None:
+        count = read_whole(shots, "shots", v50.LEAST)
+    first = 1
+    if seed is not None:
+        first = read_whole(seed, "seed", 0)
+    return width, count, first
+
+
 def numbers(value: Any, unit: str, key: str) -> list[float]:
     """Convert numbers to SI units: from a text such as "5 um, 9 um", from one number, or from
     several numbers or texts."""

@@ -262,7 +262,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             raise InputError(key="out", allowed=allowed)
         return SetupsPlan(tuple(cast("Iterable[ImpactSetup]", target)))
     from weavecell.scenes.impact import Scene
-    from weavecell.studies import inputs, strengths, v50
+    from weavecell.studies import inputs, strengths
     from weavecell.studies import sweep as studies
 
     if quantity not in list(studies.QUANTITIES):
@@ -273,15 +273,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
     if quantity != "critical-velocity":
         quantities.refuse_unused({"tolerance": tolerance}, f"with {quantity}")
-    width = None
-    if tolerance is not None:
-        width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    count = 60
-    if shots is not None:
-        count = quantities.read_whole(shots, "shots", v50.LEAST)
-    first = 1
-    if seed is not None:
-        first = quantities.read_whole(seed, "seed", 0)
+    width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 60))
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
