@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -187,6 +187,16 @@ class DataTable(Table):
 
 class YarnTable(DataTable):
     """A yarn family, [warp] or [weft]."""
+
+    synonyms: ClassVar = {
+        "density": "fibre_density",
+        "youngs_modulus": "modulus",
+        "denier": "linear_density",
+        "dtex": "linear_density",
+        "ends": "count",
+        "picks": "count",
+        "elongation": "failure_strain",
+    }
 
     fibre_density: _data("density of the fibre", "1.44 g/cm^3", {"kg/m^3": "0.5 to 23 g/cm^3"})
     modulus: _data(

@@ -25,7 +25,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_type_hints
 
 from pydantic import (
     BaseModel,
@@ -53,6 +53,9 @@ class Table(BaseModel):
     """A table of a file: nothing but its own keys, each of its own type."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    # what users call a key: {their word: the key}
+    synonyms: ClassVar[Mapping[str, str]] = {}
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
@@ -539,6 +542,10 @@ def _problems(problem, model, given, file, in_python):
         if error["type"] == "extra_forbidden":
             near = _meant(names[-1], error["input"], table)
             homes = _homes(model, names[-1])
+            # what a word means in its own table goes before tables that have it as a key
+            if names[-1] in table.synonyms:
+                near = table.synonyms[names[-1]]
+                homes = ""
             meant |= {".".join((*names[:-1], near))} if near and not homes else set()
             message, allowed = table.unknown(names[-1], near)
             if homes:

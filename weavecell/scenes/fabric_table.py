@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
@@ -145,6 +145,8 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
     name = "S-728"
     law = "published"
     """
+
+    synonyms: ClassVar = {"material": "name", "path": "file", "compression": "law"}
 
     name: Annotated[
         string(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -65,6 +65,16 @@ class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # 
     """
 
     model_config = ConfigDict(json_schema_extra=_name_or_size)
+
+    synonyms: ClassVar = {
+        "velocity": "strike_velocity",
+        "speed": "strike_velocity",
+        "weight": "mass",
+        "caliber": "diameter",
+        "calibre": "diameter",
+        "type": "shape",
+        "material": "body",
+    }
 
     name: string(
         "projectile of `weavecell projectiles list`, or the path of a file of these keys, from the folder of the input "
@@ -177,6 +187,14 @@ class BackingTable(Table, BlockKeys):  # type: ignore[misc] # frozen by its mode
     size = ["150 mm", "150 mm", "60 mm"]
     """
 
+    synonyms: ClassVar = {
+        "name": "material",
+        "thickness": "size",
+        "youngs_modulus": "modulus",
+        "yield": "yield_stress",
+        "gap": "standoff",
+    }
+
     material: string(
         "backing of `weavecell backings list`; its values replace keys of the material that are not given",
         "the name of a backing",
@@ -232,6 +250,12 @@ class RunTable(Table):
     elements_per_crossover = 1
     outputs = ["paraview", "report"]
     """
+
+    synonyms: ClassVar = {
+        "duration": "end_time",
+        "time": "end_time",
+        "elements": "elements_per_crossover",
+    }
 
     end_time: Annotated[
         quantity(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BeforeValidator,
@@ -302,6 +302,15 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
     """
 
     model_config = ConfigDict(json_schema_extra=_opening_or_preset)
+
+    synonyms: ClassVar = {
+        "size": "opening",
+        "layers": "plies",
+        "clamping": "boundary",
+        "edges": "boundary",
+        "friction": "ply_friction",
+        "gap": "ply_gap",
+    }
 
     preset: Annotated[
         one_of(
