@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 # the first card of the report holds so many lines
 CARD_LINES = 2
-# characters of a line of a title
-WIDTH_OF_TITLE = 90
+# characters of a line of a title, beside which the legend may stand
+WIDTH_OF_TITLE = 50
 
 
 class DrawnResult(Result):
