@@ -212,7 +212,7 @@ def check(panel: Any) -> None:
     backing = panel.backing
     if backing is None:
         return
-    if panel.symmetry == "half":
+    if panel.mirrors[0] != panel.mirrors[1]:
         raise InputError(
             key="symmetry", value=panel.symmetry, allowed="quarter or whole in front of a backing"
         )

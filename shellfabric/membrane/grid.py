@@ -43,7 +43,12 @@ from shellfabric.parts import Part
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
 
-SYMMETRIES = {"quarter": (True, True), "half": (True, False), "whole": (False, False)}
+SYMMETRIES = {
+    "quarter": (True, True),
+    "half": (True, False),
+    "other half": (False, True),
+    "whole": (False, False),
+}
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ class PanelSetup(PanelNumbers):
     Parameters
     ----------
     projectile : Projectile
-    symmetry : "quarter", "half" (x >= 0) or "whole"
+    symmetry : "quarter", "half" (x >= 0), "other half" (y >= 0) or "whole"
     boundary : "clamped", "free" or a slipping side, for all sides or each on its own (see
         `boundary`)
     numerics : Numerics
@@ -60,7 +60,8 @@ class PanelSetup(PanelNumbers):
         """What a run takes for granted of the edges and of the modelled part, a sentence each."""
         part = {
             "quarter": "A quarter of the panel is modelled: the rest is its image in two planes.",
-            "half": "Half of the panel is modelled: the rest is its image in a plane.",
+            "half": "Half of the panel is modelled, x >= 0: the rest is its image in a plane.",
+            "other half": "Half of the panel is modelled, y >= 0: the rest is its image in a plane.",
             "whole": "The whole panel is modelled.",
         }
         return (f"{'; '.join(boundary.list_in_words(self.boundary))}.", part[self.symmetry])

@@ -42,6 +42,51 @@ def move(zone):
             x[n] += zone.dt * v[n]
 
 
+@kernel(_nrt=False)
+def mirror_nodes(zone):
+    """Put the images beyond planes of symmetry where their originals are."""
+    for family in range(2):
+        own = zone.mirror_first[family]
+        across = 1 - family
+        side = zone.mirror_first[across]
+        nodes = zone.nodes[family]
+        if own >= 0:
+            plane = 2 * (own + 1)
+            for y in range(zone.yarns[family]):
+                start = zone.first[family] + y * nodes
+                for k in range(plane + 1):
+                    for c in range(3):
+                        turn = 1.0
+                        if c == family:
+                            turn = -1.0
+                            if k == plane:
+                                turn = 0.0
+                        n = start + k
+                        m = start + 2 * plane - k
+                        zone.x[c, n] = turn * zone.x[c, m]
+                        zone.v[c, n] = turn * zone.v[c, m]
+                    if k < plane:
+                        zone.whole[start + k] = zone.whole[start + 2 * plane - 1 - k]
+                        zone.breaking[start + k] = zone.breaking[start + 2 * plane - 1 - k]
+                        zone.filtered[start + k] = zone.filtered[start + 2 * plane - 1 - k]
+        if side >= 0:
+            for y in range(side + 1):
+                start = zone.first[family] + y * nodes
+                other = zone.first[family] + (2 * side - y) * nodes
+                for k in range(nodes):
+                    for c in range(3):
+                        turn = 1.0
+                        if c == across:
+                            turn = -1.0
+                            if y == side:
+                                turn = 0.0
+                        zone.x[c, start + k] = turn * zone.x[c, other + k]
+                        zone.v[c, start + k] = turn * zone.v[c, other + k]
+                    zone.whole[start + k] = zone.whole[other + k]
+                    zone.breaking[start + k] = zone.breaking[other + k]
+                    zone.filtered[start + k] = zone.filtered[other + k]
+
+
 @kernel()
 def nodes_of(zone, family):
     """Return the first node of a family, and that after its last one."""
@@ -84,9 +129,9 @@ def break_segments(zone):
                 way = 0.5 * zone.dt * dot(velocity, side) / math.sqrt(dot(side, side))
                 strain = zone.tension[n] / zone.stiffness[family]
                 stored = 0.5 * zone.tension[n] * strain * zone.rest_length[n]
-                zone.lost_with_yarns += stored + zone.tension[n] * way
-                zone.damped += zone.viscous_force[n] * way
-                zone.torn_segments += 1.0
+                zone.lost_with_yarns += zone.segment_share[n] * (stored + zone.tension[n] * way)
+                zone.damped += zone.segment_share[n] * zone.viscous_force[n] * way
+                zone.torn_segments += zone.segment_share[n]
                 zone.whole[n] = False
                 zone.tension[n] = zone.viscous_force[n] = 0.0
                 zone.torn[family, yarn_of(zone, family, n)] = True
@@ -112,6 +157,7 @@ def stretch_segments(zone, family, first, last):
     viscous_force = zone.viscous_force[first : first + count]
     rest_length = zone.rest_length[first : first + count]
     whole = zone.whole[first : first + count]
+    share = zone.segment_share[first : first + count]
     stiffness = zone.stiffness[family]
     drag = zone.drag[family]
     stored = 0.0
@@ -144,9 +190,9 @@ def stretch_segments(zone, family, first, last):
             work_rate += (next_w[n] - w[n]) * pull_z[n]
             rate_before = work_rate / held
         snap = (before * rate_before + taut * rate) * (0.5 * zone.dt) - energy + released
-        snapped += snap * ((before == 0.0) != (taut == 0.0))
-        damped += viscous_force[n] * rate_before + damping * rate
-        stored += energy
+        snapped += share[n] * snap * ((before == 0.0) != (taut == 0.0))
+        damped += share[n] * (viscous_force[n] * rate_before + damping * rate)
+        stored += share[n] * energy
         tension[n] = taut
         viscous_force[n] = damping
         force = (taut + damping) * per_length
@@ -195,7 +241,7 @@ def follow_segment(zone, family, n):
     zone.filtered[n] = criterion_kernels.follow_mean(
         zone.filtered[n], mean, half, zone.filter_factor[family]
     )
-    if min(mean, zone.filtered[n]) > zone.peak_tension[family]:
+    if zone.segment_share[n] > 0.0 and min(mean, zone.filtered[n]) > zone.peak_tension[family]:
         zone.peak_tension[family] = min(mean, zone.filtered[n])
         zone.peak_segment[family] = n
     if zone.filtered[n] <= half:

@@ -23,7 +23,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.state import unit
 from shellfabric.subcycle_kernels import subcycle
 from shellfabric.surface.vector_kernels import three
-from shellfabric.yarns.chain_kernels import move, nodes_of
+from shellfabric.yarns.chain_kernels import mirror_nodes, move, nodes_of
 from shellfabric.yarns.nose_kernels import nose_forces
 from shellfabric.yarns.shadow_kernels import place_shadow, take_pushes
 from shellfabric.yarns.state import Zone
@@ -64,6 +64,7 @@ def step_zone(body, dt, left):
         state.projectile_position[c] = end[c] - left * state.projectile_velocity[c]
     move(zone)
     follow_rim(zone, state, left)
+    mirror_nodes(zone)
     inner_forces(zone)
     nose_forces(zone, state, const)
     count_outer_forces(zone, state, 1.0 / zone.substeps)
@@ -73,6 +74,8 @@ def step_zone(body, dt, left):
 def follow_rim(zone, state, left):
     """Set positions and velocities of the tied nodes, the time `left` [s] before the membrane's."""
     for t in range(zone.tied_node.size):
+        if zone.tied_share[t] == 0.0:
+            continue
         n = zone.tied_node[t]
         k = np.uint64(zone.tied_slot[t])
         for c in range(3):
@@ -100,7 +103,7 @@ def count_outer_forces(zone, state, share):
             force = state.f_contact_nose[c]
             velocity = state.projectile_velocity[c]
             if k < rim:
-                force = zone.f[c, zone.tied_node[k]]
+                force = zone.tied_share[k] * zone.f[c, zone.tied_node[k]]
                 velocity = zone.v[c, zone.tied_node[k]]
             power += (zone.outer_force[k, c] + force) * velocity
             zone.outer_force[k, c] = force
@@ -117,6 +120,8 @@ def give_outer_forces(zone, state):
         for k in range(zone.outer_force.shape[0]):
             zone.taken_force[k, c] += share * zone.outer_force[k, c]
         for t in range(zone.tied_slot.size):
+            if zone.tied_share[t] == 0.0:
+                continue
             state.f_int[c][np.uint64(zone.tied_slot[t])] += zone.taken_force[t, c]
         state.f_contact_nose[c] = zone.taken_force[-1, c]
 
@@ -127,6 +132,8 @@ def power_taken(zone, state):
     power = 0.0
     for c in range(3):
         for t in range(zone.tied_slot.size):
+            if zone.tied_share[t] == 0.0:
+                continue
             power += zone.taken_force[t, c] * state.v[c][np.uint64(zone.tied_slot[t])]
         power += zone.taken_force[-1, c] * state.projectile_velocity[c]
     return power
@@ -146,12 +153,14 @@ def write_to_ply(zone, state):
             state.peak_tension[family] = zone.peak_tension[family]
             state.peak_slot[family] = edge_of(zone, family, zone.peak_segment[family])
             state.peak_step[family] = state.steps
-    if zone.torn_segments > zone.torn_segments_told:
-        zone.torn_segments_told = int(zone.torn_segments)
+    halves = int(2.0 * zone.torn_segments)  # on a plane of symmetry half a segment tears
+    if halves > zone.torn_segments_told:
+        zone.torn_segments_told = halves
         for family in range(2):
             for n in range(*nodes_of(zone, family)):
                 k = edge_of(zone, family, n)
-                if zone.breaking[n] and not zone.whole[n] and state.failed[family][k] == 0:
+                torn = zone.segment_share[n] > 0.0 and zone.breaking[n] and not zone.whole[n]
+                if torn and state.failed[family][k] == 0:
                     state.failed[family][k] = 1
                     state.failed_segments += 1.0
                     state.loads_at_failure += zone.filtered[n] / zone.strength[n]

@@ -144,7 +144,7 @@ def crossing_force(zone, i, j):
         slack = zone.contact_onset[i, j] < zone.gap
         if not slack:
             whole = False
-            zone.tangled += 1.0
+            zone.tangled += zone.crossing_share[i, j]
     if has_left(zone.place[i, j, 0], zone.nodes[0]) or has_left(zone.place[i, j, 1], zone.nodes[1]):
         zone.touching[i, j] = False
         slack = True
@@ -159,8 +159,8 @@ def crossing_force(zone, i, j):
     held, taken = friction_kernels.slide(
         zone.slider[i, j], limit, zone.friction_stiffness, zone.dt, normal, velocity
     )
-    zone.friction_work += taken
-    stored = zone.contact_energy[i, j] + held
+    zone.friction_work += zone.crossing_share[i, j] * taken
+    stored = zone.crossing_share[i, j] * (zone.contact_energy[i, j] + held)
     slider = three(zone.slider[i, j], 0)
     force = add_scaled(scaled(push, normal), -zone.friction_stiffness, slider)
     scatter(zone.f, n_a, weights_a, force)
@@ -175,6 +175,7 @@ def drop(zone, i, j, whole):
     slider = zone.slider[i, j]
     square = slider[0] ** 2 + slider[1] ** 2 + slider[2] ** 2
     dropped = zone.contact_energy[i, j] + 0.5 * zone.friction_stiffness * square
+    dropped *= zone.crossing_share[i, j]
     if whole:
         zone.lost_when_slack += dropped
     else:
@@ -198,7 +199,8 @@ def normal_force(zone, i, j, distance, opening):
     if distance < onset:
         force, energy = compression(zone, onset - distance)
         damping = normal_kernels.damping_force(force, zone.damping, opening)
-    zone.damped -= 0.5 * zone.dt * (damping + zone.contact_damping[i, j]) * opening
+    both = damping + zone.contact_damping[i, j]
+    zone.damped -= zone.crossing_share[i, j] * 0.5 * zone.dt * both * opening
     zone.contact_onset[i, j] = onset
     zone.contact_force[i, j] = force
     zone.contact_energy[i, j] = energy

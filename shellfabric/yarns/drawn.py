@@ -36,7 +36,7 @@ def draw_yarns(zone: Zone, panel: Any) -> dict[str, np.ndarray]:
     yarn_family : (n,) int8, 0 of warp and 1 of weft
     resolved : (ni, nj) bool, elements that the yarns stand for
     """
-    rims = panel.rim_rows
+    corner = panel.corner
     drawn = [_drawn_rows(panel, axis) for axis in range(2)]
     resolved = np.zeros(panel.counts, bool)
     resolved[slice(*drawn[0]), slice(*drawn[1])] = True
@@ -53,8 +53,8 @@ def draw_yarns(zone: Zone, panel: Any) -> dict[str, np.ndarray]:
         apart = panel.spacing[1 - family]
         surface = _sections(place, tension, family, (width, thickness), apart)
         # the rim is node 0 of a chain, the line m behind it is node 2 m, and that of yarn m - 1
-        first, last = (line - rims[family][0] for line in drawn[family])
-        low, high = (line - rims[1 - family][0] for line in drawn[1 - family])
+        first, last = (line - corner[family] for line in drawn[family])
+        low, high = (line - corner[1 - family] for line in drawn[1 - family])
         chosen = slice(max(low - 1, 0), high), slice(2 * first, 2 * last + 1)
         tension[:, 2 * last] = np.nan
         part = surface[chosen]
@@ -74,7 +74,7 @@ def _drawn_rows(panel, axis):
     last yarn of the zone, whose ends between there and the rim the membrane's elements hide."""
     first, last = panel.rim_rows[axis]
     near = np.flatnonzero(np.abs(panel.lines()[axis]) <= FURTHEST)
-    return max(first + 1, int(near[0])), min(last - 1, int(near[-1]))
+    return max(first + 1 - panel.mirrors[axis], int(near[0])), min(last - 1, int(near[-1]))
 
 
 def _sections(place, tension, family, size, apart):

@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +41,7 @@ DRAWN = 3e-3
 LEAST_ROWS = 2 * RIM_ROWS + 4  # of crossings of a zone at least
 OFF_CROSSOVER = 0.25  # [spacings] of the default impact point, along warp and weft
 MOST_STEPS = 2  # of the yarns in a step of the membrane: 3 take a tenth less time
+IMAGES = 2  # rows of images of crossings beyond a plane of symmetry at least
 REACH = 2.0  # spacings between the nose and the rim at least
 
 
@@ -169,7 +170,6 @@ class YarnPanel(Panel):
     def __post_init__(self):
         model = self.table.model
         wanted = [
-            ("symmetry", self.symmetry, "whole"),
             ("elements_per_crossover", self.elements_per_crossover, 1),
             ("grading", self.grading, None),
             ("bending", self.bending, (0.0, 0.0)),
@@ -198,9 +198,9 @@ class YarnPanel(Panel):
                 "of a body of metal"
             )
             raise InputError(key="body", value="metal", allowed=allowed)
-        for low, high, spacing in zip((i0, j0), (i1, j1), self.spacing):
+        for low, high, spacing, mirrored in zip((i0, j0), (i1, j1), self.spacing, self.mirrors):
             least = max(LEAST_ROWS + 2, 2 * (reach / spacing + REACH + RIM_ROWS))
-            if high - low < least:
+            if (high - low) * (1 + mirrored) < least:
                 smallest = 1e3 * 0.5 * (least + 1) * spacing
                 allowed = f"at least {smallest:.3g} mm for this nose, in a larger opening"
                 raise InputError(key="zone", value=self.resolved.width, allowed=allowed)
@@ -245,28 +245,62 @@ class YarnPanel(Panel):
     def holds_nose(self, position: FloatArray) -> bool:
         """Return whether the nose at a position [m] is over the zone, by its radius from the pinned
         rows."""
-        axes = zip(position, self.lines(), self.rim_rows, self.spacing)
-        for place, lines, (first, last), spacing in axes:
+        axes = zip(position, self.lines(), self.rim_rows, self.spacing, self.mirrors)
+        for place, lines, (first, last), spacing, mirrored in axes:
             reach = self.projectile.radius + RIM_ROWS * spacing
-            if not lines[first] + reach <= place <= lines[last] - reach:
+            low = lines[first]
+            if mirrored:
+                low = -lines[last]
+            if not low + reach <= place <= lines[last] - reach:
                 return False
         return True
 
     @cached_property
+    def images(self) -> tuple[int, int]:
+        """(along warp, along weft) rows of images of crossings beyond planes of symmetry, as many
+        as the mean of the failure criterion takes in."""
+        found = []
+        for spacing, mirrored in zip(self.spacing, self.mirrors):
+            wide = ceil(self.fabric.failure_length / spacing + 0.5)
+            found.append(mirrored * max(IMAGES, wide))
+        return found[0], found[1]
+
+    @property
+    def corner(self) -> tuple[int, int]:
+        """(row, column) of the grid from which the yarns of the zone begin; below 0 beyond a plane
+        of symmetry."""
+        (i0, _), (j0, _) = self.rim_rows
+        row, column = (
+            -1 - count if count else first for count, first in zip(self.images, (i0, j0))
+        )
+        return row, column
+
+    @cached_property
     def patch(self) -> YarnPatch:
         """The yarns of the zone."""
-        (i0, i1), (j0, j1) = self.rim_rows
-        x, y = self.lines()
+        (_, i1), (_, j1) = self.rim_rows
+        i0, j0 = self.corner
+        # numbers of grid lines, of those that are images below 0
+        rows, columns = np.arange(i0 + 1, i1), np.arange(j0 + 1, j1)
         factors = None
         if self.strength_factors is not None:
             warp, weft = self.strength_factors
-            factors = (np.asarray(warp)[j0 + 1 : j1], np.asarray(weft)[i0 + 1 : i1])
+            factors = (np.asarray(warp)[abs(columns)], np.asarray(weft)[abs(rows)])
         whole = self.resolved.width == inf
+        x, y = (
+            float(np.sign(first) * lines[abs(first)])
+            for first, lines in zip((i0 + 1, j0 + 1), self.lines())
+        )
+        # an aim is counted from the middle crossover, whatever the size of the panel
+        middle = sum(n // 2 for n, mirrored in zip(self.counts, self.mirrors) if not mirrored)
+        near = self.nearest_lines
         return YarnPatch(
             self.table.model,
-            (i1 - i0 - 1, j1 - j0 - 1),
-            origin=(float(x[i0 + 1]), float(y[j0 + 1])),
-            warp_up=(i0 + j0) % 2 == 0,
+            (rows.size, columns.size),
+            origin=(x, y),
+            warp_up=(i0 + j0 + middle) % 2 == 0,
+            images=self.images,
+            middle=(near[0] - i0 - 1, near[1] - j0 - 1),
             friction=self.resolved.friction,
             rim_rows=0 if whole else RIM_ROWS,
             viscosity=self.numerics.stretch_viscosity,
@@ -313,13 +347,13 @@ class YarnPanel(Panel):
         (i0, i1), (j0, j1) = self.rim_rows
         const = self.constants()
         grid = partial(by_node, const=const)
-        inside = slice(i0 + 1, i1), slice(j0 + 1, j1)
+        inside = slice(i0 + 1 - self.mirrors[0], i1), slice(j0 + 1 - self.mirrors[1], j1)
         for slots in (state.intact_fraction, state.yarn_length):
-            grid(slots[0])[i0:i1, j0 + 1 : j1] = 0.0
-            grid(slots[1])[i0 + 1 : i1, j0:j1] = 0.0
+            grid(slots[0])[i0:i1, inside[1]] = 0.0
+            grid(slots[1])[inside[0], j0:j1] = 0.0
         # elements deeper inside have no node with a mass: what is computed of them goes nowhere
         flag = np.full((i1 - i0, j1 - j0), WARP_FAILED | WEFT_FAILED | RESOLVED)
-        flag[1:-1, 1:-1] = RESOLVED * self.is_seen
+        flag[1 - self.mirrors[0] : -1, 1 - self.mirrors[1] : -1] = RESOLVED * self.is_seen
         grid(state.element_flag)[i0:i1, j0:j1] = flag
         per = const.rows_per_block
         state.block_damage[max(i0 - 2, 0) // per : min(i1 + 2, const.ni - 1) // per + 1] = DAMAGED
@@ -334,7 +368,9 @@ class YarnPanel(Panel):
         grid(state.dt_over_mass)[i0 : i1 + 1, j0 : j1 + 1] = self.time_step * inverse
         grid(state.mass)[inside] = 0.0
         if self.is_seen:
-            grid(state.dt_over_mass)[inside] = self.time_step * self.patch.shadow_mobility
+            g0, g1 = self.images
+            mobility = self.patch.shadow_mobility[g0:, g1:] / self.patch.crossing_share.T[g0:, g1:]
+            grid(state.dt_over_mass)[inside] = self.time_step * mobility
 
     def _rim_masses(self, warp, weft):
         """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the
@@ -345,24 +381,30 @@ class YarnPanel(Panel):
             zip((warp, weft), self.weave.yarns, self.weave.S0)
         ):
             half = 0.5 * yarn.linear_density * S0 * (edges > 0)
+            if self.mirrors[1 - axis]:
+                np.moveaxis(half, 1 - axis, 0)[0] *= 0.5
             lines = np.moveaxis(mass, axis, 0)
             own = np.moveaxis(half, axis, 0)
             lines[:-1] += own[:-1]
             lines[1:] += own[:-1]
         zone = self.zone()
-        np.add.at(mass.reshape(-1), zone.tied_slot, zone.mass[zone.tied_node])
+        real = zone.tied_share > 0
+        np.add.at(
+            mass.reshape(-1),
+            zone.tied_slot[real],
+            (zone.tied_share * zone.mass[zone.tied_node])[real],
+        )
         mass = mass[i0 : i1 + 1, j0 : j1 + 1]
-        mass[1:-1, 1:-1] = 0.0
+        mass[1 - self.mirrors[0] : -1, 1 - self.mirrors[1] : -1] = 0.0
         return mass
 
     def zone(self) -> Zone:
         """Return the arrays of the zone at rest."""
-        (i0, _), (j0, _) = self.rim_rows
         steps = own_steps(self.time_step, self._longest_step)
         return self.patch.arrays(
             self.time_step / steps,
             steps,
-            (i0, j0),
+            self.corner,
             self.counts[1] + 1,
             self.projectile.friction,
             seen=self.is_seen,
@@ -384,7 +426,10 @@ def lie_anywhere(
     for number, panel in enumerate(panels[1:], 1):
         shift = (0.0, 0.0)
         if is_clamped(panel.boundary):
-            shift = aim(panel.weave, [*np.atleast_1d(seed or 0), number])
+            drawn = aim(panel.weave, [*np.atleast_1d(seed or 0), number])
+            # a plane of symmetry is the middle line of a yarn in each ply
+            x, y = (0.0 if m else way for way, m in zip(drawn, panel.mirrors))
+            shift = x, y
         found.append(replace(panel, shift=shift))
     return tuple(found)
 

@@ -1,8 +1,9 @@
 """Parallel neighbours: yarns side by side touch, and cannot come closer than round yarns packed
 side by side.
 
-Points fixed on a yarn, one at each crossover at rest, meet the closest points of the next yarn's
-B-spline. With their distance d,
+Points fixed on a yarn, one at each crossover at rest, meet the closest points of the B-spline of the
+yarn beside it, that on the side of the line of flight: the contacts of a fabric that has a plane of
+symmetry along its middle yarn have it too, and that yarn has no points. With their distance d,
 
     U = k1 <w1 - d>^2 / 2 + k2 <w2 - d>^2 / 2
 
@@ -35,21 +36,31 @@ def neighbour_forces(zone):
     """Add the forces of all neighbours to zone.f."""
     stored = 0.0
     for family in range(2):
-        for yarn in range(zone.yarns[family] - 1):
+        middle = zone.middle[family]
+        first = 0
+        if zone.mirror_first[1 - family] >= 0:  # of images the first alone meets what is no image
+            first = middle - 1
+        for yarn in range(first, zone.yarns[family]):
+            if yarn == middle:
+                continue
             start = zone.first[family] + yarn * zone.nodes[family]
+            inwards = zone.nodes[family]
+            if yarn > middle:
+                inwards = -inwards
             for n in range(start + 2, start + zone.nodes[family] - 2, 2):
                 if zone.foot[n] < 0.0:
                     continue
                 if zone.foot_wait[n] > 0.0:
                     zone.foot_wait[n] -= 1.0
                     continue
-                stored += neighbour_force(zone, family, start, n)
+                stored += neighbour_force(zone, family, start + inwards, n)
     zone.stored_at_neighbours = stored
 
 
 @kernel(_nrt=False)
 def closest_point(zone, family, start, n):
-    """Move a point's foot to the closest point of the next yarn.
+    """Move the foot of the point n to the closest point of the yarn beside it, whose first node is
+    `start`.
 
     Returns (its node, weights, d from the point to it, |d|^2, what is left of its way [-]).
     """
@@ -58,7 +69,7 @@ def closest_point(zone, family, start, n):
     s = zone.foot[n]
     for turn in range(4):
         k, weights, slopes = spline(s, count)
-        m = start + count + k
+        m = start + k
         d = subtract(gather(zone.x, m, weights), point)
         tangent = gather(zone.x, m, slopes)
         square = dot(d, d)
@@ -75,16 +86,17 @@ def closest_point(zone, family, start, n):
 
 @kernel(_nrt=False)
 def neighbour_force(zone, family, start, n):
-    """Compute the force of one point on the next yarn; return the energy [J] that it stores."""
+    """Compute the force of one point on the yarn that begins at the node `start`; return the energy
+    [J] that it stores."""
     touch = zone.touch_distance[family]
     m, weights, d, square, step = closest_point(zone, family, start, n)
     if not (zone.whole[n - 1] and zone.whole[n] and zone.whole[m - 1] and zone.whole[m]):
-        zone.lost_with_yarns += zone.foot_energy[n]
+        zone.lost_with_yarns += zone.node_share[n] * zone.foot_energy[n]
         zone.foot[n] = -1.0
         zone.foot_energy[n] = 0.0
         return 0.0
     if abs(step) > RUNS:
-        zone.lost_when_slack += zone.foot_energy[n]
+        zone.lost_when_slack += zone.node_share[n] * zone.foot_energy[n]
         zone.foot_energy[n] = 0.0
         zone.foot_onset[n] = -1.0
         return 0.0
@@ -103,7 +115,7 @@ def neighbour_force(zone, family, start, n):
     push = scaled(force / distance, d)
     scatter(zone.f, n, FIXED, scaled(-1.0, push))
     scatter(zone.f, m, weights, push)
-    return zone.foot_energy[n]
+    return zone.node_share[n] * zone.foot_energy[n]
 
 
 @kernel(_nrt=False)

@@ -81,8 +81,11 @@ def beyond_reach(zone, state, const, n, family):
 @kernel(_nrt=False)
 def nose_point(zone, state, const, n, kind, edge, weights, whole, held):
     """Compute the contact of one point; edge : (axis, [m]) of its place beside the middle line."""
+    share = zone.node_share[n]
+    if kind >= BETWEEN * ACROSS:
+        share = zone.segment_share[n]
     if not whole:
-        zone.lost_with_yarns += zone.nose_energy[n, kind]
+        zone.lost_with_yarns += share * zone.nose_energy[n, kind]
         zone.nose_energy[n, kind] = 0.0
         return
     axis, beside = edge
@@ -97,7 +100,7 @@ def nose_point(zone, state, const, n, kind, edge, weights, whole, held):
     zone.nose_energy[n, kind] = 0.0
     if square > reach * reach:
         return
-    if held and z > -const.shoulder and square < const.projectile_radius**2:
+    if held and share > 0.0 and z > -const.shoulder and square < const.projectile_radius**2:
         zone.points_ahead += 1
     if z > zone.rod:
         return
@@ -110,19 +113,19 @@ def nose_point(zone, state, const, n, kind, edge, weights, whole, held):
         return
     normal = combined(const.frame, normal)
     push, zone.nose_energy[n, kind] = normal_kernels.spring(zone.nose_stiffness / ACROSS, depth)
-    zone.stored_at_nose += zone.nose_energy[n, kind]
+    zone.stored_at_nose += share * zone.nose_energy[n, kind]
     force = scaled(push, normal)
     if const.friction > 0.0:
         force = add_scaled(
-            force, 1.0, nose_friction(zone, state, const, n, kind, weights, normal, push)
+            force, 1.0, nose_friction(zone, state, const, n, kind, weights, normal, push, share)
         )
     scatter(zone.f, n, weights, force)
     for c in range(3):
-        state.f_contact_nose[c] -= force[c]
+        state.f_contact_nose[c] -= share * force[c]
 
 
 @kernel(_nrt=False)
-def nose_friction(zone, state, const, n, kind, weights, normal, push):
+def nose_friction(zone, state, const, n, kind, weights, normal, push, share):
     """Compute the friction of one point (`friction_kernels.friction_force`), without damping."""
     velocity = add_scaled(gather(zone.v, n, weights), -1.0, state.projectile_velocity)
     spring = zone.nose_stiffness / ACROSS, 0.0
@@ -132,5 +135,5 @@ def nose_friction(zone, state, const, n, kind, weights, normal, push):
     force, taken, _ = friction_kernels.friction_force(
         slip, pull, limit, spring, zone.dt, normal, velocity
     )
-    zone.nose_friction_work += taken
+    zone.nose_friction_work += share * taken
     return force

@@ -52,6 +52,7 @@ class ResolvedYarns(Part):
         """Return what determines the zone, see Part."""
         patch = self.panel.patch
         drawn = patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
+        drawn += patch.images, patch.middle
         return self.name, self.panel.resolved, *drawn
 
     def begin(self, state: State, const: Constants, stack: Any) -> None:
@@ -88,7 +89,8 @@ class ResolvedYarns(Part):
         see Part."""
         if not self.zone.has_shadow:
             return 0.0
-        slots = shadow_slots(self.zone).ravel()
+        own = self.zone.mirror_first
+        slots = shadow_slots(self.zone)[max(own[1], 0) :, max(own[0], 0) :].ravel()
         power = sum(sums.dot(v[slots], f[slots]) for v, f in zip(state.v, state.f_contact))
         if state.f_block_cloth[2].size > 0:
             power += sum(sums.dot(v[slots], f[slots]) for v, f in zip(state.v, state.f_block_cloth))
@@ -139,7 +141,7 @@ class ResolvedYarns(Part):
         checks = [replace(found, meaning=f"{found.meaning}; {width}") for found in checks]
         checks.append(quality.indicator("yarns that changed sides", self.zone.tangled))
         if self.panel.among_plies:
-            share = self.zone.most_past / self.zone.mass.size
+            share = self.zone.most_past / np.count_nonzero(self.zone.node_share)
             checks.append(quality.indicator("yarns past the next ply", share))
         return tuple(checks)
 
@@ -153,7 +155,9 @@ class ResolvedYarns(Part):
             broken = by_node(state.failed[family], const) != 0
             cut = np.moveaxis(broken, family, 0)[:-1].any(axis=0)
             cut_yarns += np.count_nonzero(cut)
-            cut[first + 1 : last][self.zone.torn[family, : last - first - 1]] = False
+            g = int(max(self.zone.mirror_first[1 - family], 0))
+            low = first + 1 - (g > 0)
+            cut[low:last][self.zone.torn[family, g : g + last - low]] = False
             outside += np.count_nonzero(cut)
         return outside / max(cut_yarns, 1)
 
@@ -163,7 +167,11 @@ def slip_at_rim(zone: Zone) -> float:
     pinned ones. A cut yarn is drawn out at any width of the zone."""
     row = RIM_ROWS
     slip = slipped(zone)
-    beside = [slip[row], slip[-row - 1], slip[:, row], slip[:, -row - 1]]
+    beside = [slip[-row - 1], slip[:, -row - 1]]
+    if zone.mirror_first[1] < 0:
+        beside.append(slip[row])
+    if zone.mirror_first[0] < 0:
+        beside.append(slip[:, row])
     return float(max(part.max() for part in beside))
 
 
@@ -199,10 +207,16 @@ def show(zone: Zone, state: State) -> None:
         tension = zone.tension[own].reshape(shape)[:, :-1].reshape(shape[0], -1, 2).mean(axis=2)
         begin = zone.tied_slot[2 * warp * family :][: 2 * shape[0] : 2]
         steps = (stride, 1)[family] * np.arange(tension.shape[1])
-        state.T[family][begin[:, None] + steps] = tension
+        at = begin[:, None] + steps
+        own_y = np.arange(shape[0])[:, None] >= zone.mirror_first[1 - family]
+        own_k = np.arange(tension.shape[1])[None, :] > zone.mirror_first[family]
+        real = np.broadcast_to(own_y & own_k, at.shape)
+        state.T[family][at[real]] = tension[real]
     if zone.has_shadow:
         return
     shown = count > 0
+    shown &= np.arange(warp)[:, None] >= zone.mirror_first[1]
+    shown &= np.arange(weft)[None, :] >= zone.mirror_first[0]
     slots = slots[shown]
     moved /= np.maximum(count, 1)[..., None]
     moved[..., 0] -= zone.tied_rest[2 * warp :: 2, 0]

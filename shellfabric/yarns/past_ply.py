@@ -43,6 +43,7 @@ def nodes_past(
     reach = NEAR * front.projectile.radius
     close = np.sum((places[:, :2] - nose[:2]) ** 2, axis=1) < reach**2
     found = np.zeros(len(places), bool)
+    close &= zone.node_share > 0
     own = np.flatnonzero(close & zone.whole & np.roll(zone.whole, 1))
     if own.size == 0 or len(surface) == 0:
         return found

@@ -71,6 +71,10 @@ class YarnPatch:
     lateral : factor on the lateral stiffness of yarns
     edge : [-] of the width of a yarn, how far beside its middle line it meets the nose
     numbers : PanelNumbers
+    images : (along warp, along weft) rows of crossings before a plane of symmetry, which is the
+        middle line of the yarn behind them; 0 without one
+    middle : (along warp, along weft) number of the weft and of the warp yarn that the line of flight
+        is nearest to; by default those in the middle
     """
 
     model: CellModel
@@ -86,6 +90,8 @@ class YarnPatch:
     lateral: float = 1.0
     edge: float = 0.0
     numbers: PanelNumbers = field(default_factory=PanelNumbers)
+    images: tuple[int, int] = (0, 0)
+    middle: tuple[int, int] | None = None
 
     @property
     def weave(self) -> Any:
@@ -341,7 +347,12 @@ class YarnPatch:
         pinned = np.full(shape, self.friction == inf)
         if self.rim_rows:
             rows = self.rim_rows
-            pinned[:rows] = pinned[-rows:] = pinned[:, :rows] = pinned[:, -rows:] = True
+            # warp yarns are counted along y, weft yarns along x
+            pinned[-rows:] = pinned[:, -rows:] = True
+            if not self.images[1]:
+                pinned[:rows] = True
+            if not self.images[0]:
+                pinned[:, :rows] = True
         size = int(yarns @ nodes)
         foot = np.zeros(size)
         foot_onset = np.zeros(size)
@@ -364,6 +375,54 @@ class YarnPatch:
             "foot_onset": foot_onset,
             "foot_wait": np.zeros(size),
             "gap": self.gap,
+        }
+
+    @property
+    def crossing_share(self) -> FloatArray:
+        """(warp yarns, weft yarns) shares of the crossings that are modelled: 0 of images, halves on
+        planes of symmetry."""
+        rows, columns = self._line_shares()
+        return np.outer(columns, rows)
+
+    def _line_shares(self):
+        """Shares of the weft yarns, of the warp yarns, that are modelled."""
+        found = []
+        for count, images in zip(self.crossings, self.images):
+            share = np.ones(count)
+            share[:images] = 0.0
+            if images:
+                share[images] = 0.5
+            found.append(share)
+        return found
+
+    def _shares(self):
+        """Shares of what is modelled, and the middle, by name."""
+        _, _, nodes = self.layout
+        middle = self.middle
+        if middle is None:
+            middle = self.crossings[0] // 2, self.crossings[1] // 2
+        lines = self._line_shares()
+        node, segment, tied = [], [], []
+        for family in range(2):
+            across = lines[1 - family]
+            g = self.images[family]
+            k = np.ones(nodes[family])
+            s = np.ones(nodes[family])
+            if g:
+                k[: 2 * (g + 1)] = 0.0
+                k[2 * (g + 1)] = 0.5
+                s[: 2 * (g + 1)] = 0.0
+            node.append(np.outer(across, k).ravel())
+            segment.append(np.outer(across, s).ravel())
+            ends = np.stack([across * (g == 0), across], axis=1)
+            tied.append(ends.ravel())
+        return {
+            "mirror_first": np.array([g if g else -1 for g in self.images], np.int64),
+            "middle": np.array(middle[::-1], np.int64),
+            "node_share": np.concatenate(node),
+            "segment_share": np.concatenate(segment),
+            "crossing_share": self.crossing_share,
+            "tied_share": np.concatenate(tied),
         }
 
     def arrays(
@@ -434,6 +493,7 @@ class YarnPatch:
             friction_force=np.zeros((rubbing, 6, 3)),
             substeps=steps,
             warp_share=self.warp_share,
+            **self._shares(),
             furthest=MOST_APART * max(self.spacing),
             has_shadow=seen,
             outer_force=np.zeros((chains["tied_node"].size + 1, 3)),
@@ -457,7 +517,7 @@ def kinetic_energy(zone: Zone) -> float:
     v(n+1/2) / 2."""
     after = zone.v + zone.dt * zone.inverse_mass * zone.f
     own = zone.inverse_mass > 0
-    return 0.5 * float((zone.mass * zone.v * after)[:, own].sum())
+    return 0.5 * float((zone.node_share * zone.mass * zone.v * after)[:, own].sum())
 
 
 def slipped(zone: Zone) -> FloatArray:

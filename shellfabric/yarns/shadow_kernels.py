@@ -46,13 +46,14 @@ def of_both(zone, a, b, warp, weft):
 def take_pushes(zone, state, const):
     """Hand to the chains what others have pushed their shadow nodes by in this step, which the
     chains have still to make."""
-    for i in range(zone.yarns[1]):
-        for j in range(zone.yarns[0]):
+    for i in range(max(zone.mirror_first[0], 0), zone.yarns[1]):
+        for j in range(max(zone.mirror_first[1], 0), zone.yarns[0]):
             a, b, k = nodes_at(zone, i, j)
             for c in range(3):
                 warp = zone.v[c, a] + zone.dt * zone.inverse_mass[a] * zone.f[c, a]
                 weft = zone.v[c, b] + zone.dt * zone.inverse_mass[b] * zone.f[c, b]
                 force = (state.v[c][k] - of_both(zone, a, b, warp, weft)) / state.dt_over_mass[k]
+                force /= zone.crossing_share[j, i]
                 zone.f[c, a] += zone.warp_share * force
                 zone.f[c, b] += (1.0 - zone.warp_share) * force
 
@@ -61,8 +62,8 @@ def take_pushes(zone, state, const):
 def place_shadow(zone, state, const):
     """Set places, velocities and forces of the shadow nodes from their chains, and erode the
     elements that are no fabric any more."""
-    for i in range(zone.yarns[1]):
-        for j in range(zone.yarns[0]):
+    for i in range(max(zone.mirror_first[0], 0), zone.yarns[1]):
+        for j in range(max(zone.mirror_first[1], 0), zone.yarns[0]):
             a, b, k = nodes_at(zone, i, j)
             mass = const.dt / state.dt_over_mass[k]
             apart = 0.0
@@ -81,14 +82,17 @@ def place_shadow(zone, state, const):
                 apart += (zone.x[c, a] - zone.x[c, b]) ** 2
             bears = zone.whole[a - 1] or zone.whole[a] or zone.whole[b - 1] or zone.whole[b]
             if not bears or apart > zone.furthest * zone.furthest:
-                erode_about(state, const, k)
+                erode_about(state, const, k, i > zone.mirror_first[0], j > zone.mirror_first[1])
 
 
 @kernel(_nrt=False)
-def erode_about(state, const, k):
+def erode_about(state, const, k, below, left):
     """Take the four elements about a node out of all contacts."""
     s = np.uint64(const.row_stride)
-    for e in (k, k - ONE, k - s, k - s - ONE):
+    for number, e in enumerate((k, k - ONE, k - s, k - s - ONE)):
+        # there is none beyond a plane of symmetry: it lies before the array
+        if (number % 2 == 1 and not left) or (number >= 2 and not below):
+            continue
         if state.element_flag[e] & ERODED == 0:
             state.element_flag[e] |= ERODED
             state.failures += 1

@@ -76,13 +76,19 @@ class Zone(Row):
     friction_stiffness = number("N/m", "of the friction springs")
     damping = number("N s/m", "of a crossing, along its normal")
     foot = array(
-        "all nodes", "-", "index of the closest point on the next yarn; below 0 if torn", kept=True
+        "all nodes",
+        "-",
+        "index of the closest point on the yarn beside it; below 0 if torn",
+        kept=True,
     )
     foot_energy = array("all nodes", "J", "that the contact with it stores", kept=True)
     foot_onset = array(
         "all nodes", "m", "distance at which that contact begins; below 0 if slack", kept=True
     )
     foot_wait = array("all nodes", "-", "steps until it is looked at again", kept=True)
+    middle = array(
+        "2 int64", "-", "warp yarn, weft yarn towards which the others have their points"
+    )
     touch_distance = array("2", "m", "w1 of neighbours, of warp and weft")
     touch_stiffness = array("2", "N/m", "k1")
     closest_distance = array("2", "m", "w2")
@@ -130,6 +136,17 @@ class Zone(Row):
     lost_with_yarns = total("J", "lost with yarns that tore", kept=True)
     lost_when_slack = total("J", "lost by contacts of slack yarns", kept=True)
     nose_friction_work = total("J", "work of friction at the nose", kept=True)
+    mirror_first = array(
+        "2 int64",
+        "-",
+        "local number of the line on the plane of symmetry, of rows of crossings along warp, weft; -1 without",
+    )
+    node_share = array(
+        "all nodes", "-", "share of a node that is modelled: 0 of images, halves on planes"
+    )
+    segment_share = array("all nodes", "-", "of the segment from a node to the next")
+    crossing_share = array("warp, weft", "-", "of a crossing")
+    tied_share = array("ends", "-", "of an end; 0 of ends that are images")
     lost_in_snaps = total("J", "lost by steps in which yarns stiffen", kept=True)
     torn_segments = total("-", "segments that tore", kept=True)
     tangled = total("-", "crossings of taut yarns that have changed sides, and are gone", kept=True)

@@ -70,12 +70,14 @@ class Keywords(TypedDict, total=False):
     impact_point : point that the projectile hits, from the middle of the opening along its two
         sides. If not given: the middle, or with resolved yarns a quarter of a spacing beside the
         crossover there, in both directions. A point on the second axis may have the symmetry
-        `half`; others off the middle need `whole` [m]; a list of two lengths, such as ["20 mm", "0
-        mm"]
+        `half`, one on the first `other half`; others off the middle need `whole` [m]; a list of two
+        lengths, such as ["20 mm", "0 mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
-        (azimuth 90 deg); one of "quarter", "half", "whole"
+        (azimuth 90 deg); other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the
+        middle line of a yarn, so that a quarter is struck on a crossover and a half on a yarn; the
+        whole panel if not given; one of "quarter", "half", "other half", "whole"
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
@@ -134,7 +136,7 @@ class Keywords(TypedDict, total=False):
     opening_shape: Literal["rectangular", "round"]
     impact_point: tuple[Quantity, Quantity] | list[Quantity]
     boundary: Literal["clamped", "free"] | Mapping[str, Side | Quantity]
-    symmetry: Literal["quarter", "half", "whole"]
+    symmetry: Literal["quarter", "half", "other half", "whole"]
     weave_angle: Quantity
     plies: int
     ply: list[Mapping[str, Any]] | tuple[Mapping[str, Any], ...]

@@ -20,6 +20,7 @@ from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage
+from shellfabric.membrane.grid import SYMMETRIES
 from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import stl_file
 from weavecell.scenes.fabric_table import FabricTable, InlineLaw
@@ -414,7 +415,11 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
-            given["impact_point"] = aim(case.fabric.weave, panel.aim_seed)
+            point = aim(case.fabric.weave, panel.aim_seed)
+            mirrors = SYMMETRIES[panel.symmetry]
+            given["impact_point"] = tuple(
+                0.0 if mirrored else way for way, mirrored in zip(point, mirrors)
+            )
         _check_positions(scene.history, panel.opening)
         made = ShortSetup(**given)
         made.check_contact_points()

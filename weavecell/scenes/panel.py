@@ -342,7 +342,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         quantities(
             "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
             "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
-            "directions. A point on the second axis may have the symmetry `half`; others off the middle need `whole`",
+            "directions. A point on the second axis may have the symmetry `half`, one on "
+            "the first `other half`; others off the middle need `whole`",
             "m",
             "a list of two lengths",
             '["20 mm", "0 mm"]',
@@ -356,9 +357,12 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
     ] = "clamped"
     symmetry: Annotated[
         one_of(
-            "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg)",
+            "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg); "
+            "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn, so that "
+            "a quarter is struck on a crossover and a half on a yarn; the whole panel if not given",
             "quarter",
             "half",
+            "other half",
             "whole",
         ),
         Unread("patch"),
@@ -481,7 +485,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
 
     @model_validator(mode="after")
     def _check_modelled_part(self):
-        """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved."""
+        """The whole panel if a ply is at an angle, yarns differ in strength, or yarns are resolved and no
+        part is asked for."""
         # these panels have no plane of symmetry; a symmetry that is given is not overruled in
         # silence
         given = "symmetry" in self.model_fields_set
@@ -492,8 +497,6 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
             allowed = "whole, or left out, if yarns differ in strength"
             raise InputError(key="symmetry", allowed=allowed)
         resolved = self.crossovers == "yarns"
-        if resolved and given and self.symmetry != "whole":
-            raise InputError(key="symmetry", allowed="whole, or left out, with resolved yarns")
-        if self.angled or drawn or resolved:
+        if self.angled or drawn or (resolved and not given):
             return self.model_copy(update={"symmetry": "whole"})
         return self

@@ -107,7 +107,9 @@ def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
 def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
     """Time, deflection and tension of the straighter family; the warp gives up its crimp later than in the cell."""
     base = replace(SETUP, strike_velocity=45.0, impact_point=(0.0, 0.0), end_time=250e-6)
-    zone = run_impact(replace(base, crossovers=YarnZone(8e-3, inf)), table=table)
+    # a line under the nose, as the nodes of the membrane are
+    line = YarnZone(8e-3, inf, edge=0.0)
+    zone = run_impact(replace(base, crossovers=line), table=table)
     plain = run_impact(replace(base, crossovers=None, elements_per_crossover=1), table=table)
     assert energies_hold(zone, 1e-3)
     assert (zone.outcome, plain.outcome) == ("stopped", "stopped")
@@ -127,7 +129,12 @@ def test_a_fast_nose_tears_yarns_and_perforates_and_the_energy_holds(table):
 
 def test_a_nose_passes_between_yarns_that_slip_freely(table):
     result = run_impact(
-        replace(SETUP, strike_velocity=120.0, crossovers=YarnZone(12e-3, 0.0), end_time=150e-6),
+        replace(
+            SETUP,
+            strike_velocity=120.0,
+            crossovers=YarnZone(12e-3, 0.0, edge=0.0),
+            end_time=150e-6,
+        ),
         table=table,
     )
     assert result.outcome == "perforated"
@@ -214,7 +221,7 @@ def test_yarns_that_are_cut_outside_the_zone_alone_are_counted(table):
     # lines under the nose, beside which a whole yarn is left
     line = replace(SETUP.crossovers, edge=0.0)
     shot = replace(SETUP, strike_velocity=250.0, crossovers=line)
-    solver = PackSolver(shot.target(table), 250.0, 30e-6).run()
+    solver = PackSolver(shot.target(table), 250.0, 20e-6).run()
     part = solver.part("yarns")
     cut = solver.sample("cut_yarns")[-1]
     torn = np.count_nonzero(part.zone.torn)
@@ -256,7 +263,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
 @pytest.mark.parametrize(
     ("values", "key"),
     [
-        ({"symmetry": "quarter", "impact_point": (0.0, 0.0)}, "symmetry"),
+        ({"symmetry": "quarter"}, "impact_point"),
         ({"elements_per_crossover": 2}, "elements_per_crossover"),
         ({"grading": ((20, 1), (inf, 2))}, "grading"),
         ({"bending": 1e-9}, "bending"),
@@ -321,3 +328,15 @@ def test_the_width_under_the_nose_is_told_as_assumed():
     assert given.endswith("0.3 of its width beside it.")
     with pytest.raises(InputError, match=r"edge = 0\.7: must be 0 to 0\.5"):
         YarnZone(edge=0.7)
+
+
+@pytest.mark.parametrize("opening", [0.04, (0.04, 0.042), (0.042, 0.04), 0.042])
+@pytest.mark.parametrize("spacings", [(0.25, 0.25), (0.25, 0.75)])
+def test_an_aim_meets_the_same_place_of_the_weave_in_a_panel_of_any_size(table, opening, spacings):
+    """The warp is on top at the middle crossover: its crossing is a whole number of yarns from the
+    corner of the zone."""
+    point = tuple(2 * share * half for share, half in zip(spacings, SETUP.fabric.weave.w))
+    panel = replace(SETUP, opening=opening, impact_point=point).panel(table)
+    first = [rows[0] + 1 for rows in panel.rim_rows]
+    away = sum(count // 2 - corner for count, corner in zip(panel.counts, first))
+    assert panel.patch.warp_up == (away % 2 == 0)

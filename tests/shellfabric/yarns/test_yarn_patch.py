@@ -245,7 +245,7 @@ def test_neighbours_touch_at_their_width_and_stand_off_at_the_closest():
     for share in (1.01, 0.95):
         zone.x[1, span] = zone.x[1, span + zone.nodes[0]] - share * touch
         zone.f[:] = 0.0
-        neighbour_kernels.neighbour_force(zone, 0, start, n)
+        neighbour_kernels.neighbour_force(zone, 0, start + zone.nodes[0], n)
         force = zone.f[1, span].sum()
         expected = -max(1 - share, 0.0) * touch * zone.touch_stiffness[0]
         assert force == pytest.approx(expected, rel=1e-6)
