@@ -52,8 +52,7 @@ class ResolvedYarns(Part):
         """Return what determines the zone, see Part."""
         patch = self.panel.patch
         drawn = patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
-        drawn += patch.images, patch.middle
-        return self.name, self.panel.resolved, *drawn
+        return self.name, self.panel.resolved, *drawn, patch.images, patch.middle
 
     def begin(self, state: State, const: Constants, stack: Any) -> None:
         """Know the ply of the zone, see Part."""
