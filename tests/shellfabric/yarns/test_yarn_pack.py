@@ -187,15 +187,16 @@ def test_zones_in_some_plies_alone_are_refused(table):
 
 @pytest.mark.slow
 def test_a_sphere_passes_between_the_yarns_of_two_plies_that_stop_it_pinned():
-    """Friction 0.2, 110 m/s; as pinned yarns do, yarns that hardly slip stop it."""
+    """Friction 0.2, 110 m/s, yarns as lines under the nose: with their assumed width they stop it. As
+    pinned yarns do, yarns that hardly slip stop it."""
     fabric = catalogue.load("S-726")
     setup = replace(
         SETUP, strike_velocity=110.0, opening=0.1, table_size=201, end_time=200e-6, ply_friction=0.0
     )
     shots = {}
     for name, zone in (
-        ("slipping", YarnZone(20e-3, 0.2)),
-        ("held", YarnZone(20e-3, 2.0)),
+        ("slipping", YarnZone(20e-3, 0.2, edge=0.0)),
+        ("held", YarnZone(20e-3, 2.0, edge=0.0)),
         ("pinned", None),
     ):
         shot = replace(setup, crossovers=zone, impact_point=aim(fabric.weave) if zone else (0, 0))
