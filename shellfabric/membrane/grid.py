@@ -43,6 +43,7 @@ from shellfabric.parts import Part
 from shellfabric.projectile import frames
 from shellfabric.projectile.projectile import Projectile
 
+SAME_PLACE = 1e-9  # [m] within which two distances from a point are alike
 SYMMETRIES = {
     "quarter": (True, True),
     "half": (True, False),
@@ -515,8 +516,14 @@ class PanelGrid(PanelSetup):
 
     @property
     def nearest_lines(self) -> tuple[int, ...]:
-        """(row, column) of the grid lines nearest the impact point."""
-        return tuple(int(np.abs(x).argmin()) for x in self.lines())
+        """(row, column) of the grid lines nearest the impact point; of two that are equally near,
+        the one that is counted first."""
+        found = []
+        for x in self.lines():
+            away = np.abs(x)
+            # digits of the sums that make the lines do not choose between two
+            found.append(int(np.argmax(away <= away.min() + SAME_PLACE)))
+        return tuple(found)
 
     @cached_property
     def supports(self) -> tuple[tuple[Any, Any], ...]:

@@ -9,8 +9,9 @@ import pytest
 import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import InputError
+from shellfabric.block.block import Backing
 from shellfabric.impact.run import run_impact
-from shellfabric.impact.setup import ImpactSetup
+from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.loop.checkpoint import Checkpoints
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.projectile.projectile import Projectile
@@ -119,6 +120,38 @@ def test_a_plane_of_symmetry_is_the_middle_line_of_a_yarn_in_each_ply(table, sym
     assert_alike(*own)
 
 
+def test_half_of_a_pack_with_a_turned_ply_of_another_fabric_is_that_of_the_whole(table):
+    """A ply at a right angle has its own spacings in the plane, and its own yarn there."""
+    lay_up = (Ply(FABRIC), Ply(catalogue.load("S-720"), angle=radians(90)))
+    own = [
+        setup(name, (0, 0.5), plies=2, lay_up=lay_up, ply_friction=0.2).target(table)
+        for name in ("half", "whole")
+    ]
+    plies = tuple(replace(ply, shift=part.shift) for ply, part in zip(own[1].plies, own[0].plies))
+    flown = [fly(target, 190.0, 20e-6) for target in (own[0], replace(own[1], plies=plies))]
+    assert flown[1].sample("crossover_friction")[-1] > 1e-4 * flown[1].strike_energy
+    assert_alike(*flown)
+
+
+def test_a_quarter_before_a_block_is_that_of_the_whole(table):
+    """The block's elements are cut by the same planes."""
+    block = Backing(size=(0.06, 0.06, 0.02), min_size=3e-3)
+    nose = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere", friction=0.2)
+    backed = replace(
+        SETUP, projectile=nose, opening=0.04, crossovers=YarnZone(10e-3), backing=block
+    )
+    quarter, whole = (
+        run_impact(
+            replace(backed, symmetry=name, impact_point=(0.0, 0.0), end_time=14e-6), table=table
+        )
+        for name in ("quarter", "whole")
+    )
+    assert whole.backing.depth > 1e-4
+    assert quarter.backing.depth == pytest.approx(whole.backing.depth, rel=1e-6)
+    assert quarter.step_history[-1, 2] == pytest.approx(whole.step_history[-1, 2], rel=1e-7)
+    assert quarter.energy_error_max < 2e-3
+
+
 def test_images_reach_as_far_as_the_mean_of_the_criterion(table):
     wide = replace(FABRIC, failure_length=5e-3)
     model = replace(table.model, fabric=wide)
@@ -141,6 +174,21 @@ def test_a_part_is_drawn_as_that_of_the_whole(table):
         )
         behind = all_of[all_of[:, 0] > -1e-6]
         np.testing.assert_allclose(own[own[:, 0] > -1e-6], behind, atol=1e-6)
+
+
+def test_half_before_a_block_is_refused(table):
+    for name in ("half", "other half"):
+        with pytest.raises(InputError, match="quarter or whole in front of a backing"):
+            setup(name, (0, 0), backing=Backing(size=(0.06, 0.06, 0.02))).panel(table)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_of_two_lines_as_near_to_the_aim_the_first_is_the_middle(table, side):
+    """Whatever the digits of the sums that place them: half a spacing off, in panels of several sizes."""
+    for opening in (0.04, 0.0412, 0.0424, 0.0436, 0.06, 0.0617):
+        panel = setup("whole", (side * 0.5, 0), opening=opening).panel(table)
+        place = panel.lines()[0][panel.nearest_lines[0]]
+        assert place == pytest.approx(-0.5 * panel.spacing[0], rel=1e-6)
 
 
 def test_an_aim_off_the_plane_is_refused(table):
