@@ -333,10 +333,15 @@ def test_the_width_under_the_nose_is_told_as_assumed():
 @pytest.mark.parametrize("opening", [0.04, (0.04, 0.042), (0.042, 0.04), 0.042])
 @pytest.mark.parametrize("spacings", [(0.25, 0.25), (0.25, 0.75)])
 def test_an_aim_meets_the_same_place_of_the_weave_in_a_panel_of_any_size(table, opening, spacings):
-    """The warp is on top at the middle crossover: its crossing is a whole number of yarns from the
-    corner of the zone."""
+    """The warp lies on top at the middle crossover, from which an aim is counted."""
     point = tuple(2 * share * half for share, half in zip(spacings, SETUP.fabric.weave.w))
     panel = replace(SETUP, opening=opening, impact_point=point).panel(table)
-    first = [rows[0] + 1 for rows in panel.rim_rows]
-    away = sum(count // 2 - corner for count, corner in zip(panel.counts, first))
-    assert panel.patch.warp_up == (away % 2 == 0)
+    middle = [lines[count // 2] for lines, count in zip(panel.lines(), panel.counts)]
+    zone = panel.zone()
+    second = int(zone.first[1])
+    heights = []
+    for nodes in (slice(None, second), slice(second, None)):
+        away = np.hypot(*(zone.x[:2, nodes] - np.array(middle)[:, None]))
+        assert away.min() < 1e-6
+        heights.append(zone.x[2, nodes][away.argmin()])
+    assert heights[0] > heights[1]
