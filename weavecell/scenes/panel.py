@@ -342,7 +342,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         quantities(
             "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
             "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
-            "directions. A point on the second axis may have the symmetry `half`, one on "
+            "directions, in a plane of symmetry 0. A point on the second axis may have the symmetry `half`, one on "
             "the first `other half`; others off the middle need `whole`",
             "m",
             "a list of two lengths",
@@ -358,8 +358,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
     symmetry: Annotated[
         one_of(
             "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg); "
-            "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn, so that "
-            "a quarter is struck on a crossover and a half on a yarn; the whole panel if not given",
+            "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn: a "
+            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel",
             "quarter",
             "half",
             "other half",
@@ -485,7 +485,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
 
     @model_validator(mode="after")
     def _check_modelled_part(self):
-        """The whole panel if a ply is at an angle, yarns differ in strength, or yarns are resolved and no
+        """The whole panel if a ply is at an angle, yarns differ in strength, or are resolved and no
         part is asked for."""
         # these panels have no plane of symmetry; a symmetry that is given is not overruled in
         # silence
