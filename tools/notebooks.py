@@ -20,7 +20,7 @@ import nbformat
 from PIL import Image
 
 TUTORIALS = Path(__file__).parents[1] / "docs" / "tutorials"
-WIDTH = 640  # [pixels] of a picture
+WIDTH = 480  # [pixels] of a picture
 COLOURS = 16
 PICTURE = re.compile(r"(?<=data:image/png;base64,)[\w+/=]+")
 

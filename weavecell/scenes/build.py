@@ -20,7 +20,6 @@ from fabrics.materials import Isotropic, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage
-from shellfabric.membrane.grid import SYMMETRIES
 from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import stl_file
 from weavecell.scenes.fabric_table import FabricTable, InlineLaw
@@ -378,6 +377,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     """
     from shellfabric.impact.strengths import YarnStrength
     from shellfabric.loop.histories import HistoryRequest
+    from shellfabric.membrane.grid import SYMMETRIES
     from shellfabric.membrane.numerics import Numerics
     from shellfabric.yarns.model import aim
     from weavecell.scenes.short_setup import ShortSetup

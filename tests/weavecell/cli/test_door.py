@@ -69,13 +69,13 @@ def test_no_message_has_an_option_of_the_command_line_in_it():
 @pytest.mark.parametrize(
     "name, suggested",
     [
-        ("FSP 17 gr", "FSP 1.10 g"),
-        ("FSP 17 grain", "FSP 1.10 g"),
+        ("FSP 18 gr", "FSP 1.10 g"),
+        ("FSP 16 grain", "FSP 1.10 g"),
         ("FSP .22", "FSP 1.10 g"),
         ("FSP 1.1 g", "FSP 1.10 g"),
         ("fsp 1.1 g", "FSP 1.10 g"),
-        ("FSP 207 grain", "FSP 13.4 g"),
-        ("FSP 44 gr", "FSP 2.79 g"),
+        ("FSP 200 grain", "FSP 13.4 g"),
+        ("FSP 46 gr", "FSP 2.79 g"),
         ("RCC 1.04 g", "RCC 16 grain"),
         ("sphere 12.1 mm", "sphere 12 mm"),
         ("FSP 20 g", None),
