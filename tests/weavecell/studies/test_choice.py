@@ -127,11 +127,12 @@ def parted(tmp_path_factory):
 
 
 def test_a_limit_is_searched_again_where_yarns_part(parted):
-    """Pinned yarns stop the sphere up to 46 m/s; with friction of 0.05 it passes from 41 m/s on."""
+    """Pinned yarns stop the sphere up to 46 m/s, and as wide ones do that slip with a friction of 0.05; lines
+    let it pass from 41 m/s on."""
     limit, _out = parted
     words = limit.chosen
     pinned = float(words.rpartition("limit of pinned yarns ")[2].removesuffix(" m/s)"))
-    assert limit.critical_velocity < 0.9 * pinned
+    assert limit.critical_velocity == pytest.approx(pinned, rel=0.03)
     assert words.startswith(f"yarns resolved: at {pinned:.4g}")
     assert "of 0.089 to 0.15, by the fabric, holds them, and theirs is 0.05" in words
     assert limit.target.setup.crossovers.friction == 0.05
