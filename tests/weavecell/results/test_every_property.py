@@ -2,6 +2,7 @@
 
 import ast
 import re
+from dataclasses import replace
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -16,16 +17,24 @@ from fabrics.base.files import write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.membrane import quality
 from tests.scene_text import impact_scene
+from weavecell.api.biaxial_fit import BiaxialFitResult
+from weavecell.api.biaxial_paths import BiaxialResult
+from weavecell.api.comparison import ComparisonResult
 from weavecell.api.execution import Execution
+from weavecell.api.meshes import MeshResult
 from weavecell.api.result import Result
 from weavecell.api.scatter import V50Result
+from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import coupon
+from weavecell.results.finding import Finding
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.results.result_folder import ResultFolder
-from weavecell.studies import inputs
+from weavecell.studies import biaxial_fit, inputs
 from weavecell.studies.assumed_range import AssumedRange, Row
+from weavecell.studies.biaxial_fit import Constant
 from weavecell.studies.bracket import Bracket
+from weavecell.studies.displacement_record import Motion
 
 ROOT = Path(__file__).parents[3]
 # where the classes of results are
@@ -192,8 +201,8 @@ def test_the_interval_of_a_v50_is_that_of_its_curve():
 
 def test_a_shot_has_the_title_of_its_file_or_what_it_is(tmp_path):
     (tmp_path / "own.toml").write_text('title = "mine"\n' + impact_scene(fabric="S-728"))
-    assert resolve_target(tmp_path / "own.toml", {}, {}).shot_title == "mine"
-    plain = resolve_target(wc.setup("S-728", "80 m/s"), {}, {})
+    assert resolve_target(tmp_path / "own.toml", {}, "impact").shot_title == "mine"
+    plain = resolve_target(wc.setup("S-728", "80 m/s"), {}, "impact")
     assert plain.shot_title == f"{plain.title}, 80 m/s"
 
 
@@ -205,3 +214,71 @@ def test_histories_of_an_impact_are_those_of_this_version(tmp_path, kind, is_imp
     with write_hdf5(tmp_path / "histories.h5", kind) as file:
         file["time"] = np.array([0.0, 1e-6])
     assert ResultFolder(tmp_path).is_impact is is_impact
+
+
+def test_errors_of_a_record_are_those_of_its_ends_and_of_its_greatest_force():
+    motion = Motion(
+        time=np.array([0.0, 1.0, 2.0]),
+        measured=np.zeros(3),
+        displacement=np.zeros(3),
+        velocity=np.array([30.0, 20.0, 12.0]),
+        force=np.array([5.0, 9.0, 7.0]),
+        velocity_error=np.array([0.2, 0.3, 0.5]),
+        force_error=np.array([1.0, 2.0, 4.0]),
+        mass=0.5,
+        noise=1e-5,
+        bandwidth=1e4,
+        chosen="given",
+    )
+    # m v dv at both ends: 3 and 3 J
+    assert motion.absorbed_energy_error == pytest.approx(np.sqrt(18))
+    assert motion.greatest_force_error == 2.0
+
+
+def test_starts_of_biaxial_tests_are_constants_in_the_unit_of_crimp():
+    start = Constant("start of k = 1", 0.0, -1e-4, 1e-4, "")
+    assert start.is_start
+    assert not replace(start, name="a").is_start
+    weave = SimpleNamespace(yarns=[SimpleNamespace(crimp=c) for c in (0.004, 0.011)])
+    model = SimpleNamespace(fabric=SimpleNamespace(weave=weave))
+    assert biaxial_fit._Problem.start_scale.func(SimpleNamespace(model=model)) == 0.011
+
+
+def test_a_fit_to_biaxial_tests_tells_its_constants_and_whether_shots_have_its_cell():
+    constants = [
+        Constant("a", 5e-5, 4e-5, 6e-5, "um"),
+        Constant("b", 3e-5, 1e-6, 9e-5, "um N^(1/3)"),
+    ]
+    model = SimpleNamespace(centreline="cosine", slack=(0.0, 0.0), crossover_gap=0.0)
+    fit = SimpleNamespace(model=model)
+    given = SimpleNamespace(fit=fit, constants=constants)
+    told = BiaxialFitResult.fitted_constants.fget(given)
+    assert [told[name]["value"] for name in ("a", "b")] == [5e-5, 3e-5]
+    assert told["b"]["interval"] == [1e-6, 9e-5]
+    assert BiaxialFitResult.is_of_shots.fget(given)
+    for other in ({"centreline": "straight"}, {"slack": (0.0, 1e-3)}, {"crossover_gap": 1e-5}):
+        fit.model = SimpleNamespace(**vars(model) | other)
+        assert not BiaxialFitResult.is_of_shots.fget(given), other
+
+
+def test_strains_at_the_largest_energy_are_those_of_the_map():
+    energy_map = SimpleNamespace(most=(3.5, 0.021, 0.017))
+    given = SimpleNamespace(energy_map=energy_map)
+    assert BiaxialResult.strain_at_largest_energy.fget(given) == (0.021, 0.017)
+
+
+def test_what_is_compared_has_its_words():
+    for quantity, words in (("v50", "V50"), ("critical-velocity", "critical velocity")):
+        given = SimpleNamespace(quantity=quantity)
+        assert ComparisonResult.quantity_words.fget(given) == words
+
+
+def test_bars_of_a_mesh_are_counted_by_family():
+    mesh = SimpleNamespace(bars=[range(4), range(7), range(2)], families=[0, 1, 0])
+    assert MeshResult.fibre_bars.fget(SimpleNamespace(mesh=mesh)) == (6, 7)
+
+
+def test_a_study_finds_its_headline_and_its_doubts():
+    given = SimpleNamespace(headline=("S-728", "122 m/s"), doubts=("mesh",))
+    finding = StudyResult.finding.fget(given)
+    assert finding == Finding("S-728", "122 m/s", ("mesh",))

@@ -7,6 +7,8 @@ from types import SimpleNamespace as Given
 import numpy as np
 import pytest
 
+import weavecell as wc
+
 pytest.importorskip("gmsh")
 
 from fabrics import catalogue
@@ -155,8 +157,9 @@ def test_the_summary_has_each_model_at_the_end_of_what_is_compared():
     struck = [slowed("pinned", 30.0), slowed("yarns", 21.0, first_failure=20e-6)]
     struck.append(slowed("solids", 14.0))
     shot = Given(strike_velocity=60.0)
-    patched = Given(place="gap", crossings=12, bricks=9, friction=0.2, shot=shot)
-    found = PatchResult(Given(), patched, tuple(struck)).summary()
+    patched = Given(place="gap", crossings=12, bricks=9, friction=0.2, shot=shot, zone=YarnZone())
+    aimed = Given(setup=wc.setup("S-720", 60.0))
+    found = PatchResult(aimed, patched, tuple(struck)).summary()
     assert found["compared_until_s"] == 20e-6
     for model, by in (("pinned", 30.0), ("yarns", 21.0), ("solids", 14.0)):
         assert found[f"{model}_velocity_m_s"] == pytest.approx(60.0 - 0.4 * by)
