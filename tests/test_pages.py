@@ -166,13 +166,14 @@ def test_pages_that_only_the_site_has_are_made(tool):
     found = tool("reference_pages").site_pages()
     assert len(found) == 7
     listed = TEXTS["docs/index.md"] + TEXTS["docs/reports/index.md"]
+    made = {(ROOT / "docs" / "generated" / name).resolve() for name in found}
     for name, text in found.items():
         assert text.startswith("# "), name
-        assert_links_lead_somewhere(f"docs/generated/{name}", text)
+        assert_links_lead_somewhere(f"docs/generated/{name}", text, made=made)
         assert f"generated/{name.removesuffix('.md')}\n" in listed, name
 
 
-def assert_links_lead_somewhere(page, text, tracked=None):
+def assert_links_lead_somewhere(page, text, tracked=None, made=()):
     for target in re.findall(r"\]\(([^)\s]+)\)", CODE.sub("", text)):
         path, _, anchor = target.partition("#")
         # the folder of a page that only the site has need not be there
@@ -180,6 +181,9 @@ def assert_links_lead_somewhere(page, text, tracked=None):
         if path:
             file = Path(os.path.normpath(file.parent / path))
         if re.match(r"https?:|mailto:", target):
+            continue
+        # another page that only the site has
+        if file in made:
             continue
         assert file.exists(), target
         if tracked is not None and file.is_file():

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, product
 from math import ceil, degrees, inf, pi
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -46,7 +46,8 @@ UNFAILING = (
 Material: TypeAlias = tuple[Fabric, tuple[CompressionLaw, CompressionLaw] | None]
 
 
-class Mesh(NamedTuple):
+@dataclass(frozen=True)
+class Mesh:
     """Elements of a ply: along each side of a crossover, None where a grading says it; and the grading,
     None of elements that are all alike."""
 
@@ -289,7 +290,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
         """The set-up with the mesh that is used, see `mesh`."""
         if self.mesh == self._given_mesh:
             return self
-        return replace(self, **self.mesh._asdict())
+        return replace(self, **vars(self.mesh))
 
     @property
     def _given_mesh(self):
