@@ -357,7 +357,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
         ------
         InputError : as `panel`
         """
-        return replace(self, **self._grade(resolved, longest)._asdict())
+        return replace(self, **vars(self._grade(resolved, longest)))
 
     def _grade(self, resolved=RESOLVED, longest=2):
         """The Mesh of `graded`."""
