@@ -29,7 +29,12 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 CYLINDER = {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"}
-BLOCK = {"size": ["60 mm", "60 mm", "30 mm"], "min_size": "3 mm", "growth": 1.5}
+BLOCK = {
+    "modulus": "100 MPa",
+    "size": ["60 mm", "60 mm", "30 mm"],
+    "min_size": "3 mm",
+    "growth": 1.5,
+}
 # short shots that call every kernel of their kind
 SHOTS: dict[str, dict[str, Any]] = {
     "a ply on a graded mesh": {"velocity": "250 m/s", "end_time": "60 us"},
