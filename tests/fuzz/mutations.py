@@ -57,7 +57,6 @@ BASES = {
                     "ply": [{"name": "S-726", "gap": "0.1 mm"}, {"angle": "45 deg", "count": 2}],
                 },
                 "backing": {
-                    "modulus": "100 MPa",
                     "material": "Roma Plastilina No. 1",
                     "size": ["120 mm", "120 mm", "60 mm"],
                     "standoff": "1 mm",
