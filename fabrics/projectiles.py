@@ -21,6 +21,7 @@ from fabrics.base.sourced import Constants, SourcedTables
 from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
+_GRAINS = re.compile(r"[0-9] *-?(?:grains?|gr)\b")
 # [-] a mass or a diameter that differs by more is of another projectile
 CLOSE = 0.1
 _OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
@@ -77,32 +78,45 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
 def known_name(name: str) -> str:
     """Return the name of the projectile that a name in grain means, such as "FSP 17 grain": the one
     of that kind whose mass is so within its tolerance. Any other name is returned as it is."""
-    grains = re.search(r"([0-9]*\.?[0-9]+) *-?(?:grains?|gr)\b", name)
-    if grains is None or name in list_names():
+    if name in list_names() or not _GRAINS.search(name):
         return name
-    mass = si(f"{grains[1]} grain", "kg")
-    words = name.lower().split()
-    for other, data in TABLES.content["projectile"].items():
-        if other.split()[0].lower() not in words or "mass_tolerance" not in data:
-            continue
-        off = abs(si(data["mass"]["value"], "kg") - mass)
-        if off <= si(data["mass_tolerance"]["value"], "kg"):
-            return other
-    return name
+    near = _nearest_by_value(name)
+    if near is None or "mass_tolerance" not in TABLES.content["projectile"][near]:
+        return name
+    data = TABLES.content["projectile"][near]
+    tolerance = si(data["mass_tolerance"]["value"], "kg") / si(data["mass"]["value"], "kg")
+    if _differences(name)[near] > tolerance:
+        return name
+    return near
 
 
 def _nearest_by_value(name):
     """The projectile whose mass or diameter is nearest to the quantity in a name, within CLOSE; of
-    the kind that the name begins with. A number such as .22 is a calibre [inch]."""
+    the kind that the name has as a word."""
+    off = _differences(name)
+    nearest = min(off, key=off.__getitem__, default=None)
+    if nearest is None or off[nearest] > CLOSE:
+        return None
+    return nearest
+
+
+def _differences(name):
+    """{projectile: [-] by how much its mass or diameter differs from the quantity in a name}, of the
+    kind that the name has as a word. A number such as .22 is a calibre [inch]."""
     found = re.search(r"([0-9]*\.?[0-9]+) *([a-zA-Z]*)", name)
     if found is None:
-        return None
+        return {}
     number, unit = found.groups()
     if number.startswith(".") and not unit:
         unit = "inch"
+    if _GRAINS.search(name):
+        unit = "grain"
+    first, *others = name.lower().split()
+    # a calibre behind a kind is no kind
+    kinds = {first, *filter(str.isalpha, others)}
     off = {}
     for other, data in TABLES.content["projectile"].items():
-        if other.split()[0].lower() != name.split()[0].lower():
+        if other.split()[0].lower() not in kinds:
             continue
         for key, si_unit in (("mass", "kg"), ("diameter", "m")):
             if key not in data:
@@ -110,10 +124,7 @@ def _nearest_by_value(name):
             with suppress(InputError):
                 ratio = si(f"{number} {unit}", si_unit) / si(data[key]["value"], si_unit)
                 off[other] = abs(ratio - 1)
-    nearest = min(off, key=off.__getitem__, default=None)
-    if nearest is None or off[nearest] > CLOSE:
-        return None
-    return nearest
+    return off
 
 
 def table(

@@ -19,6 +19,7 @@ import csv
 import logging
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import isfinite, nan
 
@@ -210,10 +211,7 @@ def read_table(
     if separator != ",":
         numbers = [place for name, place in places.items() if kinds[name] != WORDS]
         _point_decimals(below, numbers, path, mixed=QUANTITIES in kinds.values())
-    width = len(heading)
-    cells = {
-        name: [(row + [""] * width)[place] for _, row in below] for name, place in places.items()
-    }
+    cells = {name: [row[place] for _, row in below] for name, place in places.items()}
     return Table(path, tuple(number for number, _ in below), cells, scales)
 
 
@@ -401,17 +399,14 @@ class _Wanted:
 
 def _scale(written, unit, path=None, name=None):
     """SI value of one of a unit, as instruments write it; InputError if it is none of `unit`."""
-    folded = _UNITS.get(written.lower())
-    if folded == "" and not unit:
+    folded = _UNITS.get(written.lower(), written.lower())
+    # a dash, or one length over another
+    if not folded and not unit:
         return 1.0
-    tried = [written, folded or written.lower()]
-    for text in tried[:-1]:
-        try:
-            return si(f"1 {text}", unit)
-        except InputError:
-            continue
+    with suppress(InputError):
+        return si(f"1 {written}", unit)
     try:
-        return si(f"1 {tried[-1]}", unit)
+        return si(f"1 {folded}", unit)
     except InputError as problem:
         raise problem.changed(file=path, key=name, value=f"1 {written}") from None
 
@@ -480,13 +475,14 @@ def _without_empty_end(cells):
 
 
 def _check_lengths(rows, heading, needed, path):
-    """Cut empty cells behind the heading, in place; refuse a row that goes on, or ends before the
-    columns that are needed."""
+    """Make rows as long as the heading by empty cells, in place; refuse a row that goes on, or ends
+    before the columns that are needed."""
     fewest = max(needed) + 1
     for number, cells in rows:
         while len(cells) > len(heading) and not cells[-1]:
             cells.pop()
         if fewest <= len(cells) <= len(heading):
+            cells.extend([""] * (len(heading) - len(cells)))
             continue
         allowed = f"{len(heading)} cells"
         if len(heading) == 2:
@@ -510,7 +506,7 @@ def _point_decimals(rows, places, path, mixed):
     numbers = []
     for line, cells in rows:
         for place in places:
-            quantity = _QUANTITY.fullmatch(cells[place]) if place < len(cells) else None
+            quantity = _QUANTITY.fullmatch(cells[place])
             if quantity:
                 numbers.append((line, cells, place, quantity))
     with_comma = [entry for entry in numbers if "," in entry[3][1]]

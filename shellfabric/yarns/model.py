@@ -133,8 +133,13 @@ class YarnZone:
         )
 
 
-def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, float]:
-    """Choose the impact point [m] from a crossover, along warp and weft.
+def aim(
+    weave: Weave,
+    seed: int | Sequence[int] | None = None,
+    mirrors: tuple[bool, bool] = (False, False),
+) -> tuple[float, float]:
+    """Choose the impact point [m] from a crossover, along warp and weft; 0 across a plane of symmetry
+    (`mirrors`), which is the middle line of a yarn.
 
     Anywhere in a cell of the weave, two crossovers each way, by a seed; without one a quarter of a
     spacing off: neither on a crossover, nor on a yarn, nor in the middle of a gap.
@@ -142,6 +147,7 @@ def aim(weave: Weave, seed: int | Sequence[int] | None = None) -> tuple[float, f
     share = np.full(2, OFF_CROSSOVER)
     if seed is not None:
         share = np.random.default_rng(seed).uniform(-1.0, 1.0, 2)
+    share[np.asarray(mirrors)] = 0.0
     x, y = 2 * share * weave.w
     return float(x), float(y)
 
@@ -270,10 +276,12 @@ class YarnPanel(Panel):
         """(row, column) of the grid from which the yarns of the zone begin; below 0 beyond a plane
         of symmetry."""
         (i0, _), (j0, _) = self.rim_rows
-        row, column = (
-            -1 - count if count else first for count, first in zip(self.images, (i0, j0))
-        )
-        return row, column
+        found = []
+        for count, first in zip(self.images, (i0, j0)):
+            if count:
+                first = -1 - count
+            found.append(first)
+        return found[0], found[1]
 
     @cached_property
     def patch(self) -> YarnPatch:
@@ -426,10 +434,7 @@ def lie_anywhere(
     for number, panel in enumerate(panels[1:], 1):
         shift = (0.0, 0.0)
         if is_clamped(panel.boundary):
-            drawn = aim(panel.weave, [*np.atleast_1d(seed or 0), number])
-            # a plane of symmetry is the middle line of a yarn in each ply
-            x, y = (0.0 if m else way for way, m in zip(drawn, panel.mirrors))
-            shift = x, y
+            shift = aim(panel.weave, [*np.atleast_1d(seed or 0), number], panel.mirrors)
         found.append(replace(panel, shift=shift))
     return tuple(found)
 

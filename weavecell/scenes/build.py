@@ -415,11 +415,8 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
-            point = aim(case.fabric.weave, panel.aim_seed)
             mirrors = SYMMETRIES[panel.symmetry]
-            given["impact_point"] = tuple(
-                0.0 if mirrored else way for way, mirrored in zip(point, mirrors)
-            )
+            given["impact_point"] = aim(case.fabric.weave, panel.aim_seed, mirrors)
         _check_positions(scene.history, panel.opening)
         made = ShortSetup(**given)
         made.check_contact_points()
