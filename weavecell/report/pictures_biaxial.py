@@ -41,6 +41,8 @@ def draw_residuals(pyplot: Any, found: BiaxialFit) -> Any:
     for m, (axes, family) in enumerate(zip(panels, ("warp", "weft"))):
         for one, colour in zip(found.comparisons, _colours(found)):
             strain, load, computed = _curve(one, m)
+            if not strain.size:
+                continue
             marks = ".-" if one.fitted else "x--"
             axes.plot(strain, load - computed, marks, ms=4, lw=0.6, color=colour, label=one.name)
         axes.axhline(0.0, color=INK, lw=0.8)

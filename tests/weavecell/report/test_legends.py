@@ -21,6 +21,7 @@ from weavecell.api import limits
 from weavecell.decks import mismatch
 from weavecell.report import (
     pictures,
+    pictures_biaxial,
     pictures_body,
     pictures_comparison,
     pictures_coupon,
@@ -193,7 +194,7 @@ def shots_beside_tests(pyplot):
             "computed_residual_velocity_m_s": [3.0, 27.0, 66.0],
         }
     )
-    curve = Given(reason="", V50=84.0, intervals={"V50": (79.0, 88.0)})
+    curve = Given(reason="", V50=84.0, intervals={"V50": (79.0, 88.0)}, by_prior=True)
     tests = Given(table=table, curve=curve, lambert_jonas=curve_of("", 0.3))
     comparison = Given(
         table=table, limit=Given(low=90.0, high=92.0, velocity=91.0), computed=curve_of("", 0.6)
@@ -213,6 +214,64 @@ def shots_beside_tests(pyplot):
     }
     place = "both", "strike velocity [m/s]", "residual velocity [m/s]"
     return pictures.draw_tests_and_shots(pyplot, "both", tests, comparison), {place: wanted}
+
+
+def biaxial_tests():
+    """A fit to two tests, of which the weft of the second was not measured."""
+    found = []
+    for name, role, families in (("k = 1", "fitted", (0, 1)), ("warp alone", "predicted", (0,))):
+        load = np.full((5, 2), np.nan)
+        load[:, families] = numbers(5, len(families))
+        test = Given(strain=1e-3 * numbers(5, 2), load=load)
+        one = Given(name=name, role=role, fitted=role == "fitted", test=test)
+        found.append(Given(**vars(one), computed=numbers(5, 2)))
+    return found
+
+
+@case(pictures_biaxial.draw_tests)
+def fit_beside_biaxial_tests(pyplot):
+    """The measured points have no name of their own: they lie about the curve of their colour."""
+    comparisons = biaxial_tests()
+    figure = pictures_biaxial.draw_tests(pyplot, Given(comparisons=comparisons), "a title")
+    wanted = {}
+    for m, family in enumerate(("warp", "weft")):
+        lines = {}
+        for one in comparisons[: 2 - m]:
+            strain = 100 * one.test.strain[:, m]
+            lines[f"{one.name}, {one.role}"] = xy(strain, one.computed[:, m])
+            points = xy(strain, one.test.load[:, m])
+            assert any(np.array_equal(line.get_xydata(), points) for line in figure.axes[m].lines)
+        wanted["", f"strain along the {family} [%]", f"load of a {family} yarn [N]"] = lines
+    return figure, wanted
+
+
+@case(pictures_biaxial.draw_residuals)
+def residuals_of_biaxial_tests(pyplot):
+    comparisons = biaxial_tests()
+    wanted = {}
+    for m, family in enumerate(("warp", "weft")):
+        lines = {}
+        for one in comparisons[: 2 - m]:
+            off = one.test.load[:, m] - one.computed[:, m]
+            lines[one.name] = xy(100 * one.test.strain[:, m], off)
+        wanted["", f"strain along the {family} [%]", "measured less computed [N]"] = lines
+    return pictures_biaxial.draw_residuals(pyplot, Given(comparisons=comparisons)), wanted
+
+
+@case(pictures_biaxial.draw_profiles)
+def profiles_of_constants(pyplot):
+    """The curve of each constant, and the ends of its interval where they are found."""
+    profiles = {name: (1e-5 * rising(7), numbers(7)) for name in ("a", "b")}
+    values = {"a": Given(low=2e-5, high=6e-5), "b": Given(low=1e-5, high=np.inf)}
+    figure = pictures_biaxial.draw_profiles(pyplot, Given(profiles=profiles, values=values))
+    labels = "a [mm]", "b [mm N^(1/3)]"
+    for axes, label, ends, name in zip(figure.axes, labels, ((0.02, 0.06), (0.01,)), profiles):
+        places, rises = profiles[name]
+        assert axes.get_xlabel() == label
+        curve, *found = axes.lines
+        assert_allclose(curve.get_xydata(), xy(1e3 * places, rises))
+        assert_allclose([line.get_xdata()[0] for line in found], ends)
+    assert figure.axes[0].get_ylabel() == "rise of the sum of squares / s²"
 
 
 @case(pictures_body.bar)
