@@ -200,13 +200,15 @@ def read_table(
     if not lines:
         raise InputError("is empty", file=path, allowed=f"{what}: {wanted.words}")
     separator, (first, heading), rows = _find_heading(lines, wanted)
-    places = wanted.choose(heading)
+    columns = wanted.choose(heading)
     below = [(number, cells) for number, cells in rows if number > first]
-    units_below = wanted.units_below(below, places)
-    scales = wanted.scales(heading, places, units_below)
+    units_below = wanted.units_below(below, columns)
+    scales = wanted.scales(columns, units_below)
     if units_below:
         below = below[1:]
-    _tell_left_out(path, first, sum(number < first for number, _ in rows), heading, places)
+    above = sum(number < first for number, _ in rows)
+    places = {name: column.place for name, column in columns.items()}
+    _tell_left_out(path, first, above, heading, places)
     _check_lengths(below, heading, [places[name] for name in places if name not in optional], path)
     if separator != ",":
         numbers = [place for name, place in places.items() if kinds[name] != WORDS]
@@ -232,6 +234,26 @@ def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
     if not isfinite(number):
         raise refused(text, allowed, file=file, key=key)
     return number
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A cell of a heading that names a column which is asked for.
+
+    Parameters
+    ----------
+    name : of the column
+    rank : 0 of the name itself, then the order of its synonyms
+    unit : as it is written, "" without
+    place : number of the column in the file
+    cell : as it is written
+    """
+
+    name: str
+    rank: int
+    unit: str
+    place: int
+    cell: str
 
 
 @dataclass(frozen=True)
@@ -266,26 +288,25 @@ class _Wanted:
             heading += f" with its unit, such as {self.example}"
         return heading
 
-    def name_of(self, cell: str) -> tuple[str, int, str]:
-        """Return (name, rank, unit as it is written) of a heading; name "" if it is not asked for.
+    def columns_of(self, cells: Sequence[str]) -> list[_Column]:
+        """Return the cells of a row that name columns which are asked for."""
+        found = [self._column_of(cell, place) for place, cell in enumerate(cells)]
+        return [column for column in found if column is not None]
 
-        rank : 0 of the name itself, then the order of its synonyms
-        """
+    def _column_of(self, cell, place):
+        """The _Column that a cell names, by the longest of the names that it begins with; None without."""
         text = " ".join(cell.replace("_", " ").split()).lstrip("# ")
-        found: tuple[str, int, str] = ("", 0, "")
+        found = None
         longest = 0
         for name in self.kinds:
             for rank, title in enumerate((name, *SYNONYMS.get(name, ()))):
                 rest = text[len(title) :]
-                if (
-                    not text.lower().startswith(title)
-                    or rest[:1].isalnum()
-                    or len(title) <= longest
-                ):
+                begins = text.lower().startswith(title) and not rest[:1].isalnum()
+                if not begins or len(title) <= longest:
                     continue
                 unit = self._unit_behind(rest, self.kinds[name])
                 if unit is not None:
-                    found = name, rank, unit
+                    found = _Column(name, rank, unit, place, cell)
                     longest = len(title)
         return found
 
@@ -304,97 +325,88 @@ class _Wanted:
             return None
         return unit
 
-    def has_all(self, cells: Sequence[str]) -> bool:
-        """Tell whether a row names all columns that are needed."""
-        names = {self.name_of(cell)[0] for cell in cells}
-        return {*self.needed} <= names and (not self.either or bool(names & {*self.either}))
+    def has_all(self, columns: Sequence[_Column]) -> bool:
+        """Tell whether all columns that are needed are there."""
+        names = {column.name for column in columns}
+        if self.either and not names & {*self.either}:
+            return False
+        return {*self.needed} <= names
 
-    def choose(self, heading: Sequence[str]) -> dict[str, int]:
-        """Return {name: number of its column}, each once; refuse a heading that lacks one or has it
-        twice."""
-        known = [(*self.name_of(cell)[:2], place) for place, cell in enumerate(heading)]
-        known = [entry for entry in known if entry[0]]
-        if not self.has_all(heading):
-            # a heading of which nothing is known is told by its first cell
-            if not known:
-                raise InputError(
-                    file=self.path, key="heading", value=heading[0], allowed=self.advice
-                )
-            raise InputError(
-                file=self.path, key="columns", value=", ".join(heading), allowed=self.words
-            )
-        chosen: dict[str, int] = {}
-        for name, rank, place in sorted(known, key=lambda entry: (entry[1], entry[2])):
-            if name in chosen:
-                # of synonyms the first is taken, and the other is told as left out
-                if self.name_of(heading[chosen[name]])[1] == rank:
-                    raise InputError(
-                        file=self.path,
-                        key="heading",
-                        value=heading[place],
-                        allowed=f"a column {name} that is there once",
-                    )
-                continue
-            chosen[name] = place
-            if rank:
-                LOG.info(f"{self.path}: {heading[place]} is taken for {name}")
+    def choose(self, heading: Sequence[str]) -> dict[str, _Column]:
+        """Return {name: _Column}, each once; refuse a heading that lacks one or has it twice.
+
+        Of synonyms the first is taken, and the others are told as left out.
+        """
+        known = self.columns_of(heading)
+        # a heading of which nothing is known is told by its first cell
+        if not known:
+            raise InputError(file=self.path, key="heading", value=heading[0], allowed=self.advice)
+        chosen: dict[str, _Column] = {}
+        for column in sorted(known, key=lambda one: one.rank):
+            first = chosen.setdefault(column.name, column)
+            if first is not column and first.rank == column.rank:
+                allowed = f"a column {column.name} that is there once"
+                raise self._refusal(column, allowed)
         both = [name for name in self.either if name in chosen]
-        if len(both) > 1:
+        if len(both) > 1 or not self.has_all(known):
             raise InputError(
                 file=self.path, key="columns", value=", ".join(heading), allowed=self.words
             )
+        for column in chosen.values():
+            if column.rank:
+                LOG.info(f"{self.path}: {column.cell} is taken for {column.name}")
         return {name: chosen[name] for name in self.kinds if name in chosen}
 
-    def units_below(self, below: Sequence[Row], places: Mapping[str, int]) -> dict[str, str]:
+    def units_below(self, below: Sequence[Row], columns: Mapping[str, _Column]) -> dict[str, str]:
         """Return {name: unit} of a row of units below the heading; empty if there is none."""
         units: dict[str, str] = {}
         if not below:
             return units
         _, row = below[0]
-        for name in self._numbers(places):
+        for column in self._numbers(columns):
             cell = ""
-            if places[name] < len(row):
-                cell = row[places[name]]
+            if column.place < len(row):
+                cell = row[column.place]
             bracket = _IN_BRACKETS.fullmatch(cell)
             if bracket:
                 cell = bracket[1].strip()
             if not cell or NUMBER.fullmatch(cell):
                 return {}
             try:
-                _scale(cell, self.kinds[name])
+                _scale(cell, self.kinds[column.name])
             except InputError:
                 return {}
-            units[name] = cell
+            units[column.name] = cell
         return units
 
     def scales(
-        self, heading: Sequence[str], places: Mapping[str, int], units_below: Mapping[str, str]
+        self, columns: Mapping[str, _Column], units_below: Mapping[str, str]
     ) -> dict[str, float]:
         """Return {name: SI value of its unit} of columns of numbers, from the heading or below it."""
+        for name, column in columns.items():
+            if self.kinds[name] == WORDS and column.unit:
+                raise self._refusal(column, f"{name} alone")
         found = {}
-        for name, place in places.items():
-            cell = heading[place]
-            unit = self.name_of(cell)[2]
-            if self.kinds[name] == WORDS and unit:
-                raise InputError(file=self.path, key="heading", value=cell, allowed=f"{name} alone")
-        for name in self._numbers(places):
-            cell = heading[places[name]]
-            written = self.name_of(cell)[2]
-            units = [unit for unit in (written, units_below.get(name, "")) if unit]
+        for column in self._numbers(columns):
+            name = column.name
+            units = [unit for unit in (column.unit, units_below.get(name, "")) if unit]
             if not units:
-                raise InputError(
-                    "has no unit", file=self.path, key="heading", value=cell, allowed=self.advice
-                )
+                raise self._refusal(column, self.advice, "has no unit")
             of_each = {_scale(unit, self.kinds[name], self.path, name) for unit in units}
             if len(of_each) > 1:
-                allowed = f"one unit: the row below says {units[1]}"
-                raise InputError(file=self.path, key="heading", value=cell, allowed=allowed)
+                raise self._refusal(column, f"one unit: the row below says {units_below[name]}")
             found[name] = of_each.pop()
         return found
 
-    def _numbers(self, places):
-        """Names of the columns of numbers."""
-        return [name for name in places if self.kinds[name] not in (WORDS, QUANTITIES)]
+    def _refusal(self, column, allowed, message=None):
+        return InputError(
+            message, file=self.path, key="heading", value=column.cell, allowed=allowed
+        )
+
+    def _numbers(self, columns):
+        """The columns of numbers."""
+        words = (WORDS, QUANTITIES)
+        return [column for column in columns.values() if self.kinds[column.name] not in words]
 
 
 def _scale(written, unit, path=None, name=None):
@@ -435,25 +447,29 @@ def _find_heading(lines, wanted):
     # Excel writes this line to name the separator
     if lines[0][1].startswith("sep="):
         separators = lines.pop(0)[1][4:5]
-    plain = [entry for entry in lines if not entry[1].lstrip().startswith("#")]
+    plain = [(number, text) for number, text in lines if not text.lstrip().startswith("#")]
     # a heading may be a comment, if no other line is one
     for candidates in (plain, lines):
         for separator in separators:
-            for line in candidates:
-                if separator in line[1] or len(wanted.needed) == 1:
-                    cells = _split(line, separator, wanted.path)
-                    if wanted.has_all(cells):
-                        rows = [_cells_of(entry, separator, wanted.path) for entry in plain]
-                        return separator, (line[0], _without_empty_end(cells)), rows
-    first = (plain or lines)[0]
+            for number, text in candidates:
+                if separator not in text and len(wanted.needed) > 1:
+                    continue
+                cells = _split((number, text), separator, wanted.path)
+                if wanted.has_all(wanted.columns_of(cells)):
+                    rows = [_cells_of(line, separator, wanted.path) for line in plain]
+                    return separator, (number, _without_empty_end(cells)), rows
+    number, text = (plain or lines)[0]
     # semicolons before commas: where commas are decimal, a heading may have them in its words
-    separator = next((mark for mark in separators if mark in first[1]), ",")
-    rows = [_cells_of(entry, separator, wanted.path) for entry in plain]
-    return separator, (first[0], _without_empty_end(_split(first, separator, wanted.path))), rows
+    separator = next((mark for mark in separators if mark in text), ",")
+    cells = _split((number, text), separator, wanted.path)
+    rows = [_cells_of(line, separator, wanted.path) for line in plain]
+    return separator, (number, _without_empty_end(cells)), rows
 
 
-def _cells_of(entry, separator, path):
-    return entry[0], _split(entry, separator, path)
+def _cells_of(line, separator, path):
+    """(number, cells) of a line."""
+    number, _ = line
+    return number, _split(line, separator, path)
 
 
 def _split(entry, separator, path):
