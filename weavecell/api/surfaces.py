@@ -225,6 +225,8 @@ class SurfaceResult(Result):
     (5, 5)
     """
 
+    kind = "surface"
+
     fabric: Fabric
     sampled: Sampled
     settings: dict[str, Any]
