@@ -112,6 +112,30 @@ def test_a_corner_inside_out_bears_a_finite_force_that_opens_it():
     assert pushes[1] == pytest.approx(pushes[2], rel=0.02)
 
 
+def test_a_corner_below_the_least_share_goes_on_along_the_tangent_and_the_curvature():
+    """Two corners have the share of the edge that is shortened, six have 1, all over that of the mean."""
+    rest = 0.5 * CORNERS * BOX
+    x = rest.copy()
+    x[4, 2] = x[0, 2] + 0.01 * BOX[2]
+    brick = Bricks.of(rest[None])
+    swelling = np.linalg.det(x.T @ brick.gradient[0])
+    least, step = control_kernels.LEAST_SHARE, 1e-4
+
+    def energy(share):
+        return 0.5 * np.log(share) ** 2
+
+    def along_the_parabola(share):
+        beside = energy(least + step), energy(least - step)
+        slope = (beside[0] - beside[1]) / (2 * step)
+        curvature = (beside[0] - 2 * energy(least) + beside[1]) / step**2
+        off = share - least
+        return energy(least) + slope * off + 0.5 * curvature * off**2
+
+    assert 0.01 / swelling < 0.4 * least
+    wanted = 2 * along_the_parabola(0.01 / swelling) + 6 * energy(1 / swelling)
+    assert corners(x, rest)[0] == pytest.approx(BOX.prod() / 8 * wanted, rel=1e-5)
+
+
 def pushed(hourglass):
     """Clay whose middle node of the face is driven in fast, after 0.25 ms."""
     block = Backing(

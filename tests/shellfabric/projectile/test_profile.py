@@ -90,6 +90,25 @@ def test_the_gradient_of_an_ogive_is_a_unit_vector_and_the_slope(tip):
     assert checked > 100
 
 
+@pytest.mark.parametrize(("tip", "nose"), [(None, 6e-3), (1.5e-3, 6e-3), (1.5e-3, 1.1e-3)])
+def test_the_smallest_radius_of_an_ogive_is_that_of_its_ellipse(tip, nose):
+    """Circles through three points beside each other on the ellipse, which begins at the edge of a flat tip."""
+    shot = Projectile(
+        shape="ogive",
+        radius=R,
+        edge_radius=0.1e-3,
+        length=14e-3,
+        nose_length=nose,
+        tip_diameter=tip,
+    )
+    angle = np.linspace(-0.1, 0.5 * np.pi + 0.1, 4001)
+    points = np.column_stack([(R - 0.5 * (tip or 0.0)) * np.sin(angle), nose * np.cos(angle)])
+    first, second, third = points[:-2], points[1:-1], points[2:]
+    a, b, c = (np.linalg.norm(d, axis=1) for d in (second - first, third - second, first - third))
+    area = 0.5 * np.abs(np.cross(second - first, third - first))
+    assert shot.nose_radius == pytest.approx((a * b * c / (4 * area)).min(), rel=1e-3)
+
+
 def test_an_ogive_is_as_deep_as_its_ellipse():
     shot = Projectile(shape="ogive", radius=R, edge_radius=0.1e-3, length=14e-3, nose_length=6e-3)
     assert shot.shoulder == 6e-3
