@@ -136,6 +136,16 @@ def test_a_corner_below_the_least_share_goes_on_along_the_tangent_and_the_curvat
     assert corners(x, rest)[0] == pytest.approx(BOX.prod() / 8 * wanted, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("stress", "flowed", "keep"), [(0.5e5, 0.0, 1.0), (0.5e5, 0.1, 1 / 1.2), (3e5, 0.1, 1 / 3)]
+)
+def test_hourglass_stress_relaxes_with_the_flow_and_stays_below_the_flow_stress(
+    stress, flowed, keep
+):
+    """3 f G d(alpha) is a fifth of the flow stress of 1e5 Pa; a stress of three times that is cut to it."""
+    assert control_kernels.kept_share(stress, 1e5, flowed, 2e5) == pytest.approx(keep, rel=1e-12)
+
+
 def pushed(hourglass):
     """Clay whose middle node of the face is driven in fast, after 0.25 ms."""
     block = Backing(

@@ -5,7 +5,8 @@ import pytest
 from yarn_patches import energy, free_zone, march, patch
 
 from shellfabric.cell.model import CellModel
-from shellfabric.yarns import neighbour_kernels, zone_kernels
+from shellfabric.jit.compile import entry
+from shellfabric.yarns import crossing_kernels, neighbour_kernels, zone_kernels
 from shellfabric.yarns.patch import slipped
 
 
@@ -63,6 +64,27 @@ def test_forces_are_the_gradient_of_the_energy():
             slope = -(found[0] - found[1]) / (2 * step)
             worst = max(worst, abs(slope - forces[c, n]))
     assert worst < 2e-4 * abs(forces).max()
+
+
+@entry()
+def drop_crossing(zone, i, j, whole):
+    """Drop the contact of a crossing."""
+    crossing_kernels.drop(zone, i, j, whole)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_dropped_crossing_gives_back_nothing_of_what_it_stored(whole):
+    """The spring of friction has slipped along all three axes; the crossing counts a part of itself."""
+    zone = free_zone(patch((3, 4)))
+    zone.slider[1, 2] = np.array([1.0, -2.0, 3.0]) * 1e-6
+    zone.contact_energy[1, 2] = 4e-6
+    zone.crossing_share[1, 2] = 0.25
+    drop_crossing(zone, 1, 2, whole)
+    stored = 0.25 * (4e-6 + 0.5 * zone.friction_stiffness * 14e-12)
+    lost = {True: (stored, 0.0), False: (0.0, stored)}[whole]
+    assert (zone.lost_when_slack, zone.lost_with_yarns) == pytest.approx(lost, rel=1e-12)
+    assert not zone.slider[1, 2].any()
+    assert zone.contact_energy[1, 2] == 0.0
 
 
 # what a call of `inner_forces` moves of a crossing and of a neighbour
