@@ -8,7 +8,8 @@ source and status:
     tenacity, 2350 mN/tex, 2350 mN/tex, data sheet of the yarn
     thickness, 0.30 mm, , data sheet of the fabric
 
-A value of the fabric as a whole stands in the column warp. Crimp may be left out if the thickness
+Rows may have the names and units of a maker (`weavecell.scenes.sheet_names`). A value of the fabric
+as a whole stands in the column warp. Crimp may be left out if the thickness
 is given, and the failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of
 tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis law by fits.
 """
@@ -30,7 +31,7 @@ from fabrics.base.files import replace_whole
 from fabrics.base.units import refused, si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
-from weavecell.scenes import curves
+from weavecell.scenes import curves, sheet_names
 from weavecell.scenes.missing_values import BREAKING, OF_STRIP, Value, complete
 
 # of both yarns
@@ -162,7 +163,7 @@ def read_values(
     problems: list[InputError] = []
     tried: set[str] = set()
     lines: dict[str, str] = {}
-    for line, cells in table.rows():
+    for line, cells in sheet_names.named(table.rows(), ALL, path):
         key = cells["key"]
         tried |= {key, nearest(key, ALL) or key}
         if lines.setdefault(key, line) != line:

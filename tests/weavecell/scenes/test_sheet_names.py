@@ -1,0 +1,75 @@
+"""Rows of a data sheet under the names that makers use."""
+
+import pytest
+
+from fabrics.base.errors import InputError
+from weavecell.scenes import fabric_file, sheet_names
+
+PLAIN = {
+    "linear_density": ("1100 dtex", "1090 dtex"),
+    "fibre_density": ("1.44 g/cm3", ""),
+    "modulus": ("99 GPa", "97 GPa"),
+    "failure_strain": ("3.3 %", "3.2 %"),
+    "count": ("85 / 10 cm", "82 / 10 cm"),
+    "thickness": ("0.28 mm", ""),
+    "areal_density": ("190 g/m2", ""),
+}
+FORMS = (str, str.upper, str.title, lambda name: f"{name}:", lambda name: name.replace(" ", "_"))
+
+
+def sheet(tmp_path, rows):
+    """A CSV file of {name: (warp, weft)}."""
+    path = tmp_path / "sheet.csv"
+    lines = [f"{name};{warp};{weft}" for name, (warp, weft) in rows.items()]
+    path.write_text("key;warp;weft\n" + "\n".join(lines), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("key", [key for key in PLAIN if key in sheet_names.NAMES])
+def test_every_name_of_a_maker_is_its_key_in_every_form(key, tmp_path):
+    plain = fabric_file.read_values(sheet(tmp_path, PLAIN))
+    for name in sheet_names.NAMES[key]:
+        for form in FORMS:
+            rows = {form(name) if row == key else row: cells for row, cells in PLAIN.items()}
+            assert fabric_file.read_values(sheet(tmp_path, rows)) == plain, form(name)
+
+
+def test_no_name_is_of_two_keys_or_a_key_itself():
+    names = [name for names in sheet_names.NAMES.values() for name in names]
+    names += [*sheet_names.DESCRIPTIONS, *sheet_names.WEAVE]
+    assert len(names) == len(set(names))
+    assert not {name.replace(" ", "_") for name in names} & set(fabric_file.ALL)
+    assert set(sheet_names.NAMES) <= set(fabric_file.ALL)
+
+
+@pytest.mark.parametrize("name", ["Weight [g/m2]", "Areal density (g/m²)", "areal_density [g/m^2]"])
+def test_a_number_alone_has_the_unit_behind_its_name(name, tmp_path):
+    rows = PLAIN | {"areal_density": None}
+    rows = {
+        name if key == "areal_density" else key: cells or ("190", "") for key, cells in rows.items()
+    }
+    value = fabric_file.read_values(sheet(tmp_path, rows))["areal_density"]
+    assert value.warp.replace("²", "2").replace("^", "") == "190 g/m2"
+
+
+def test_descriptions_are_left_out_and_told(tmp_path, caplog):
+    caplog.set_level("INFO", "weavecell")
+    rows = {"Style": ("K 1", ""), "Roll width": ("150 cm", ""), "Weave": ("Plain 1/1", "")} | PLAIN
+    assert fabric_file.read_values(sheet(tmp_path, rows)) == fabric_file.read_values(
+        sheet(tmp_path, PLAIN)
+    )
+    assert "left out, line 2: Style K 1" in caplog.text
+    assert "left out, line 3: Roll width 150 cm" in caplog.text
+
+
+@pytest.mark.parametrize("weave", ["2/2 twill", "basket 2x2", "satin"])
+def test_another_weave_is_refused(weave, tmp_path):
+    with pytest.raises(InputError) as refused:
+        fabric_file.read_values(sheet(tmp_path, {"Weave": (weave, "")} | PLAIN))
+    for word in ("sheet.csv", "line 2, Weave", weave, "plain"):
+        assert word in str(refused.value)
+
+
+def test_a_misspelt_row_is_still_refused(tmp_path):
+    with pytest.raises(InputError, match='did you mean "thickness"'):
+        fabric_file.read_values(sheet(tmp_path, PLAIN | {"thicknes": ("0.3 mm", "")}))
