@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from fabrics import law_file
 from fabrics.base.checks import FilePath, FloatArray, not_negative, refuse
 from fabrics.base.errors import InputError, placed
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.units import si
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 FORMS = ("regularised", "printed")
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class CompressionLaw:
     """Compression of one yarn under the contact force of a crossover.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fabrics.base.checks import positive, refuse
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.compression import CompressionLaw
 from fabrics.families.strain_rate import RateLaw
 from fabrics.solid import SolidLaw
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 SECTIONS = ("sine", "ellipse", "conforming")
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class Fabric:
     """One fabric of the catalogue, or of a user's file.

@@ -19,6 +19,7 @@ from scipy.special import ellipe, ellipk
 
 from fabrics.base.checks import FloatArray, positive
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.yarn import Yarn
 
 
@@ -66,6 +67,7 @@ def height_from_length(w: float, S: float) -> float:
     return float(2 * w * k / np.pi)
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Weave:
     """A plain weave of two yarn families.

@@ -11,12 +11,14 @@ from math import pi, sqrt
 
 from fabrics.base.checks import fraction, positive, refuse
 from fabrics.base.errors import placed
+from fabrics.base.frozen import explain_frozen
 
 # fibre volume fraction of round fibres that touch
 CLOSEST_PACKING = pi / (2 * sqrt(3))
 STATUSES = ("measured", "assumed")  # of weaving damage
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Yarn:
     """A yarn of one family of a weave.

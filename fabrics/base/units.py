@@ -121,16 +121,6 @@ def si(value: Any, unit: str, *, file: FilePath | None = None, key: str | None =
     return in_one_of(value, (unit,), file=file, key=key)[0]
 
 
-def of_pint(value: Any) -> Any:
-    """Return a quantity of pint as the text that a file has; any other value as it is."""
-    if type(value).__module__.partition(".")[0] != "pint" or not hasattr(value, "magnitude"):
-        return value
-    number = value.magnitude
-    if isinstance(number, (int, float)):
-        number = repr(number)
-    return f"{number} {value.units}".replace("dimensionless", "").rstrip()
-
-
 def in_one_of(
     value: Any, units: tuple[str, ...], *, file: FilePath | None = None, key: str | None = None
 ) -> tuple[float, str]:

@@ -29,6 +29,7 @@ from fabrics.backings import assumed_line
 from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.frozen import explain_frozen
 from fabrics.materials import Isotropic, load
 from shellfabric.block import block_kernels as kernels
 from shellfabric.block import contact_kernels as touch
@@ -57,6 +58,7 @@ CFL = 0.8  # of the bound that a step of the block's own takes
 MAX_SUBSTEPS = 32
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Backing(BlockKeys):
     """A block, its mesh and its contacts.

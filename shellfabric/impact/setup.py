@@ -15,6 +15,7 @@ from fabrics import plausible
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import refuse
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
@@ -55,6 +56,7 @@ class Mesh:
     grading: tuple | None
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Ply:
     """One ply of a lay-up.
@@ -73,6 +75,7 @@ class Ply:
     gap: float | None = None
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class ImpactSetup(PanelSetup, CellNumbers):
     """A projectile that strikes the middle of a panel of one ply or several.

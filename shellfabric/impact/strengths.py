@@ -24,6 +24,7 @@ from math import gamma, inf
 import numpy as np
 
 from fabrics.base.checks import refuse
+from fabrics.base.frozen import explain_frozen
 from shellfabric.membrane import grading
 from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
@@ -33,6 +34,7 @@ SCATTERED_BEFORE = (
 )
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class YarnStrength:
     """The distribution of the strength of yarns.

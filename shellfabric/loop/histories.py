@@ -24,6 +24,7 @@ import numpy as np
 from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray, positive, refuse
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from shellfabric.loop.cone import find_foot
 from shellfabric.loop.history_keys import HistoryKeys
 from shellfabric.loop.hooks import Every
@@ -45,6 +46,7 @@ PULL = 0
 LIFT = 1
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class HistoryRequest(HistoryKeys):
     """What to record.

@@ -7,6 +7,7 @@ from math import inf
 from typing import Annotated, Any
 
 from fabrics.base.checks import not_negative, positive, refuse
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import described, key, number, whole
 
 
@@ -92,6 +93,7 @@ class NumericsKeys:
     ] = None
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Numerics(NumericsKeys):
     """Numerical parameters, set by stability and convergence (docs/reports/numerics.md), none by an

@@ -10,11 +10,13 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.ply_law import PlyLaw
 
 _CELLS = 128  # of the table of a law over its travel
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class PlyContact:
     """Numerical parameters of the contact between plies, set by stability and convergence.

@@ -27,6 +27,7 @@ from fabrics.base import sums
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import declared, list_read, list_unread
 from fabrics.base.sourced import assumed_of
 from fabrics.metals import Metal
@@ -47,6 +48,7 @@ STEEPEST = radians(
 )  # of flight and axis against the normal: beyond, the shot passes along the panel
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Projectile(NoseNumbers, BodyNumbers):
     """Projectile; by default a rigid right circular cylinder (thesis section 2.3: 3 g, 5.5 mm,

@@ -19,6 +19,7 @@ from fabrics.assumed import friction_between_yarns
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import refuse_unread
 from fabrics.families import entries
 from fabrics.weave import Weave
@@ -45,6 +46,7 @@ IMAGES = 2  # rows of images of crossings beyond a plane of symmetry at least
 REACH = 2.0  # spacings between the nose and the rim at least
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class YarnZone:
     """Yarns that are resolved about the nose.

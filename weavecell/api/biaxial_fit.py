@@ -25,6 +25,7 @@ from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest
@@ -165,6 +166,7 @@ def _with_yarn_curve(fabric, text, slack):
     return fabric.with_yarns(**pairs)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class BiaxialFitResult(Result):
     """Constants of a fabric's cell that were fitted to biaxial tests; the table has a row a test.

@@ -21,6 +21,7 @@ import numpy as np
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
@@ -224,6 +225,7 @@ def _crossovers(fabric, paths, size):
     return solved
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class BiaxialResult(Result):
     """Biaxial paths of a crossover to the strength of a yarn.

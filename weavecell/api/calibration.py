@@ -29,6 +29,7 @@ from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
@@ -409,6 +410,7 @@ def interval_numbers(
     }
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class CalibrationResult(Result):
     """A compression law fitted to the 3D crossover.
@@ -435,6 +437,7 @@ class CalibrationResult(Result):
 
     fabric: Fabric
     kind = "law"
+    uses = ("crossover",)
 
     calibration: Calibration
     mesh: meshes.MeshResult

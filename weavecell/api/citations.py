@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,7 +16,11 @@ from fabrics import __version__, catalogue, references
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import read_toml
+from fabrics.fabric import Fabric
+from weavecell.api.entrance import public
+from weavecell.api.result import Result
 from weavecell.api.target import read_target, resolve_target, unknown_target
 from weavecell.results import provenance, sources
 from weavecell.results.result_folder import KINDS, open_folder
@@ -26,6 +31,8 @@ from weavecell.scenes.fabric_table import check_scene
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+    from shellfabric.impact.setup import ImpactSetup
 
 # what computes a result, by its JSON file; a panel of any other
 _USES = {
@@ -47,6 +54,7 @@ TITLE = (
 )
 
 
+@explain_frozen
 @dataclass(frozen=True)
 class Citations:
     """What is to be cited; its text is BibTeX.
@@ -163,7 +171,10 @@ def join_numbers(named: Iterable[Source]) -> str:
     return "; ".join(parts)
 
 
-def cite(target: FilePath, *, out: FilePath | None = None) -> Citations:
+@public
+def cite(
+    target: Fabric | FilePath | Result | ImpactSetup, *, out: FilePath | None = None
+) -> Citations:
     """List what a result is to cite, as BibTeX: weavecell, the thesis, the source of every number
     that it used, and the programs that computed it.
 
@@ -171,7 +182,8 @@ def cite(target: FilePath, *, out: FilePath | None = None) -> Citations:
 
     Parameters
     ----------
-    target : folder of results, input file, fabric file, or name of a fabric
+    target : folder of results, input file, fabric file, or name of a fabric; in Python also a
+        result, a Fabric, or a set-up of `setup`
     out : also write it to this .bib file; never over one that exists
 
     Raises
@@ -183,20 +195,60 @@ def cite(target: FilePath, *, out: FilePath | None = None) -> Citations:
     >>> wc.cite("S-720").to_dataframe()["cited"]["S-720", "warp.crimp"]
     'thesis2006'
     """
-    name = str(target)
     path = None
     if out is not None:
         path = Path(out)
         if path.suffix != ".bib":
             raise InputError(key="out", value=str(out), allowed="a path that ends in .bib")
         files.refuse_existing(path)
-    if Path(name).is_dir():
-        found = _of_folder(Path(name))
-    else:
-        found = _of_input(name)
+    found = _find(target)
     if path is not None:
         files.write(path, f"{found}\n")
     return found
+
+
+def _find(target):
+    """The Citations of any target."""
+    if isinstance(target, (str, os.PathLike)):
+        if Path(target).is_dir():
+            return _of_folder(Path(target))
+        return _of_input(str(target))
+    if isinstance(target, Result):
+        if target.folder is not None:
+            return _of_folder(target.folder)
+        return _of_result(target)
+    if isinstance(target, Fabric):
+        rows = tuple(sources.list_sources((target,), target.laws or (), ""))
+        return _of_panel(target.name, rows)
+    panel = resolve_target(target, {}, "shot")
+    return _of_panel(panel.title, _sources_of(panel.setup, panel.text))
+
+
+def _of_result(result):
+    """What a result that stands in no folder rests on: its target or targets, or its fabric."""
+    panels = getattr(result, "targets", None) or [getattr(result, "target", None)]
+    rows = []
+    for panel in filter(None, panels):
+        rows += _sources_of(panel.setup, panel.text)
+    fabric = getattr(result, "fabric", None)
+    if not rows and fabric is not None:
+        rows = sources.list_sources((fabric,), fabric.laws or (), "")
+    name = getattr(result, "title", type(result).__name__)
+    found = tuple(dict.fromkeys(rows))
+    return Citations(
+        name, found, _with_laws((*result.uses, "picture"), found), provenance.versions()
+    )
+
+
+def _sources_of(setup, text):
+    """The sources of a set-up and of the input file that it was read from."""
+    laws = [law for ply in setup.lay_up or (setup,) for law in ply.laws or ()]
+    return tuple(sources.list_sources(setup.fabrics, laws, text))
+
+
+def _of_panel(name, rows):
+    uses = _with_laws(("panel", "picture"), rows)
+    return Citations(name, rows, uses, provenance.versions())
 
 
 def _of_folder(folder: Path) -> Citations:
@@ -225,9 +277,7 @@ def _of_input(name: str) -> Citations:
         raise unknown_target(name)
     with _silent():
         fabrics, laws, text = _materials(name)
-    rows = tuple(sources.list_sources(fabrics, laws, text))
-    versions = provenance.versions()
-    return Citations(name, rows, _with_laws(("panel", "picture"), rows), versions)
+    return _of_panel(name, tuple(sources.list_sources(fabrics, laws, text)))
 
 
 def _materials(name):

@@ -23,6 +23,7 @@ from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UnstableError, interrupts
+from weavecell.api import entrance
 from weavecell.api.execution import Execution
 from weavecell.api.result import Result
 from weavecell.api.target import Target
@@ -173,11 +174,13 @@ def command(
 
         @functools.wraps(plan)
         @out_folder.reading
-        def called(*arguments: Any, check: bool = False, **options: Any) -> Any:
+        def called(*arguments: Any, **options: Any) -> Any:
+            given, options = entrance.take(signature, arguments, options)
+            check = options.pop("check", False)
             taken = {key: options.pop(key) for key in own if key in options}
             how = Execution(**taken)
             named = {key: taken[key] for key in taken if key in signature.parameters}
-            made = cast(Any, plan)(*arguments, **named, **options)
+            made = cast(Any, plan)(*given, **named, **options)
             if check:
                 if how.out is not None:
                     out_folder.look(how.out, made.files, how.resume, made.inputs)
@@ -189,7 +192,8 @@ def command(
         returned = " | ".join(kind.run.__annotations__["return"] for kind in kinds)
         called.__annotations__ = {**plan.__annotations__, "return": returned}
         called.__signature__ = signature.replace(return_annotation=returned)  # type: ignore[attr-defined]
-        called.plan = plan  # type: ignore[attr-defined]
+        called.plan = entrance.public(plan)  # type: ignore[attr-defined]
+        called.takes = entrance.take  # type: ignore[attr-defined]
         return cast(Any, called)
 
     return decorate

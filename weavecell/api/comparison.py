@@ -23,14 +23,15 @@ from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.limits import NO_LIMIT, CriticalVelocityResult
-from weavecell.api.result import say_before_range
-from weavecell.api.run_size import StudySize
+from weavecell.api.result import Result, say_before_range
+from weavecell.api.run_size import StudySize, WorkSize
 from weavecell.api.scatter import V50Result
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import is_input_file, list_assumptions, resolve_target
@@ -183,11 +184,66 @@ class ComparisonPlan(Plan["ComparisonResult"]):
         )
 
 
-@command(ComparisonPlan)
+@dataclass(frozen=True)
+class ComputedPlan(Plan["ComparisonResult"]):
+    """Two computed results that are about to be compared; nothing is fired.
+
+    Parameters
+    ----------
+    quantity : "v50" or "critical-velocity"
+    a, b : V50Result or CriticalVelocityResult of each
+    """
+
+    files = NAMES
+    runs = ""
+
+    quantity: str
+    a: V50Result | CriticalVelocityResult
+    b: V50Result | CriticalVelocityResult
+
+    def forecast(self) -> WorkSize:
+        """Say what is compared: it takes no shot."""
+        title = " or ".join(one.target.title for one in (self.a, self.b))
+        return WorkSize(title, {"shots": 0})
+
+    def run(self, running: Running) -> ComparisonResult:
+        """Compare."""
+        return running.save(ComparisonResult(self.quantity, self.a, self.b))
+
+
+def _plan_computed(a, b, others):
+    """The ComputedPlan of two results.
+
+    Parameters
+    ----------
+    others : {name: value} of the options of `compare`, which mean nothing to what is computed
+
+    Raises
+    ------
+    InputError : an option, or results that cannot be compared
+    """
+    quantities.refuse_unused(others, "beside results, which are computed")
+    if isinstance(a, V50Result) and isinstance(b, V50Result):
+        alike = a.seed == b.seed and a.target.setup.plies == b.target.setup.plies
+        if not alike:
+            allowed = (
+                "a V50 of the same seed and number of plies, whose panels are drawn alike; "
+                "or set-ups, which are then fired at"
+            )
+            raise InputError("is drawn otherwise", key="other", allowed=allowed)
+        return ComputedPlan("v50", a, b)
+    if isinstance(a, CriticalVelocityResult) and isinstance(b, CriticalVelocityResult):
+        return ComputedPlan("critical-velocity", a, b)
+    kinds = f"{type(a).__name__} and {type(b).__name__}"
+    allowed = "two results of v50, two of critical_velocity, or what is then computed"
+    raise InputError(key="target, other", value=kinds, allowed=allowed)
+
+
+@command(ComparisonPlan, ComputedPlan)
 @explain_keywords(ResumableKeywords, Keywords)
 def compare(
-    target: Fabric | FilePath | ImpactSetup | None,
-    other: Fabric | FilePath | ImpactSetup | None,
+    target: Fabric | FilePath | ImpactSetup | Result | None,
+    other: Fabric | FilePath | ImpactSetup | Result | None,
     *,
     quantity: str = "v50",
     shots: int | None = None,
@@ -196,7 +252,7 @@ def compare(
     check: bool = False,
     seed: int | None = None,
     **options: Unpack[StudyKeywords],
-) -> ComparisonPlan:
+) -> Plan[ComparisonResult]:
     """Say which of two panels or packs stops more, A or B, by the difference of V50 or of the
     critical velocity.
 
@@ -216,10 +272,12 @@ def compare(
     Parameters
     ----------
     target : A, an input file of a ply or pack, name of a fabric or its file; in Python also a
-        Fabric, or a set-up of `setup`
+        Fabric, a set-up of `setup`, or a result of `v50` or `critical_velocity`, with which other
+        is one too: nothing is fired then
     other : B, an input file of a ply or pack, name of a fabric or its file; in Python also a
         Fabric, or a set-up of `setup`
-    quantity : v50, of panels that differ in strength; or critical-velocity, of yarns without scatter
+    quantity : v50, of panels that differ in strength; or critical-velocity, of yarns without
+        scatter; of results what they are
     shots : of V50, number of shots at each, at least 4; if not given 40
     tolerance : of critical-velocity, and of the searches over what is assumed, largest difference
         between highest stop and lowest perforation [m/s]; if not given 1 m/s
@@ -248,6 +306,17 @@ def compare(
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs, strengths
 
+    if isinstance(target, Result) or isinstance(other, Result):
+        others = {"shots": shots, "tolerance": tolerance, "seed": seed, **options}
+        if assumed_range is not False:
+            others["assumed_range"] = assumed_range
+        made = _plan_computed(target, other, others)
+        # the default, v50, asks for nothing
+        if quantity not in ("v50", made.quantity):
+            raise InputError(
+                key="quantity", value=quantity, allowed=f"{made.quantity}, as they are"
+            )
+        return made
     if quantity not in list(QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(map(repr, QUANTITIES))}"
@@ -358,6 +427,7 @@ class ComparedPanel(NamedTuple):
         return None if self.quantity == "v50" else self.value
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class ComparisonResult(DrawnResult):
     """Two panels or packs, A and B; the table has a row for each and one for A less B.

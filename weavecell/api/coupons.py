@@ -35,6 +35,7 @@ from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts, nearest, unknown_name
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
@@ -326,6 +327,7 @@ def _table(case):
     )
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class CouponResult(Result):
     """A quasi-static test on a piece of fabric.

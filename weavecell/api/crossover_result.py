@@ -11,6 +11,7 @@ import numpy as np
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from weavecell.api.result import Result, figure
@@ -43,6 +44,7 @@ CASES = {
 }
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class CrossoverResult(Result):
     """A case of the 3D crossover.
@@ -64,6 +66,7 @@ class CrossoverResult(Result):
     """
 
     kind = "case"
+    uses = ("crossover",)
 
     fabric: Fabric
     case: str

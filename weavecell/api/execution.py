@@ -13,7 +13,7 @@ from typing import Any, TypedDict
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest
 from fabrics.base.executors import EXECUTORS, InProcess
-from weavecell.api import quantities
+from weavecell.api import entrance, quantities
 from weavecell.api.keywords import Keywords
 
 
@@ -87,6 +87,8 @@ class Execution:
     resume: bool = False
 
     def __post_init__(self) -> None:
+        given = {"out": self.out, "resume": self.resume}
+        entrance.refuse_others({"out": "FilePath | None", "resume": "bool"}, given)
         quantities.read_whole(self.jobs, "jobs", 1)
         if isinstance(self.executor, str):
             if self.executor not in EXECUTORS:

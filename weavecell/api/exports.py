@@ -15,7 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics.base.checks import FilePath
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import changed
+from weavecell.api.entrance import public
 from weavecell.api.result import Result
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 
 @out_folder.reading
+@public
 def export(
     target: Fabric | FilePath | ImpactSetup,
     to: Literal["lsdyna", "radioss"],
@@ -92,6 +95,7 @@ def export(
     return DeckResult(code.NAME, errors, deck.left_out)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class DeckResult(Result):
     """The error of the material cards of a deck.

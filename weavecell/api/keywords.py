@@ -16,10 +16,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
 
+from fabrics.base import values
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, InputErrors, nearest, together
 from fabrics.base.schema import AsDict, AsKeywords, FileOnly, MayBeObject, mark
-from fabrics.base.units import of_pint
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw, HasLaw
@@ -276,15 +276,13 @@ def scene(
 def plain(value: Any) -> Any:
     """Convert a value of Python to what a file has: dicts without None, lists and plain numbers,
     texts of paths; objects as they are."""
+    value = values.plain(value)
     if isinstance(value, Mapping):
         return {key: plain(part) for key, part in value.items() if part is not None}
     if isinstance(value, (list, tuple)):
         return [plain(part) for part in value]
     if isinstance(value, Path):
         return str(value)
-    value = of_pint(value)
-    if type(value).__module__.partition(".")[0] in ("numpy", "pandas") and hasattr(value, "tolist"):
-        return value.tolist()
     return value
 
 

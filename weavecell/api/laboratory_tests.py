@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import limits, quantities
 from weavecell.api.command import Plan, Running, command
@@ -210,6 +211,7 @@ def reduce_tests(
     return BesideShotsPlan(panel, fired, str(tests), width)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class TestsResult(DrawnResult):
     """Tests of a laboratory, to which nothing is computed; the table has a row a test.
@@ -274,6 +276,7 @@ class TestsResult(DrawnResult):
         return "\n".join((self.mark(first), *others))
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class TestsBesideShots(StudyResult):
     """Tests of a laboratory beside computed shots; the table has a row a test.

@@ -29,6 +29,7 @@ from fabrics.base.errors import (
     UnstableError,
     WeavecellError,
 )
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
@@ -333,6 +334,7 @@ def keep(ended: Sequence[Shot], problem: BaseException, panel: Target, folder: P
         panel.keep_input(folder)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class CriticalVelocityResult(StudyResult):
     """The critical velocity of a panel (ballistic limit).

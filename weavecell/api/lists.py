@@ -24,6 +24,7 @@ from fabrics.base.units import si
 from fabrics.families import find_family, list_families
 from weavecell import scenes
 from weavecell.api import quantities
+from weavecell.api.entrance import public
 from weavecell.scenes import build
 from weavecell.scenes.impact import ProjectileTable
 
@@ -95,6 +96,7 @@ def _cell(value):
     return f"{value:.4g}"
 
 
+@public
 def fabrics(*, out: FilePath | None = None) -> DataFrame:
     """List the catalogue, a row a fabric.
 
@@ -131,6 +133,7 @@ def fabrics(*, out: FilePath | None = None) -> DataFrame:
     return _tabulate("fabric", rows, out)
 
 
+@public
 def projectiles(*, out: FilePath | None = None) -> DataFrame:
     """List the fragment simulators, cylinders, spheres and bullets that an input file may name, a
     row each.
@@ -162,6 +165,7 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
     return _tabulate("projectile", rows, out)
 
 
+@public
 def metals(*, out: FilePath | None = None) -> DataFrame:
     """List the metals that core and jacket of a projectile may name, a row each.
 
@@ -190,6 +194,7 @@ def metals(*, out: FilePath | None = None) -> DataFrame:
     return _tabulate("metal", rows, out)
 
 
+@public
 def backings(*, out: FilePath | None = None) -> DataFrame:
     """List the clay and gelatine that an input file may name behind a panel, a row each.
 
@@ -228,6 +233,7 @@ def _tabulate(kind, rows, out):
     return table
 
 
+@public
 def show(name: FilePath, *, out: FilePath | None = None) -> Tables:
     """Show a fabric, a projectile, a metal or a backing: what follows from its data, and where each
     number comes from.
@@ -448,6 +454,7 @@ def _new_toml(file: FilePath) -> Path:
     return path
 
 
+@public
 def new_shot(file: FilePath) -> None:
     """Write a first input file, with a comment for each question that it answers.
 
@@ -471,6 +478,7 @@ def new_shot(file: FilePath) -> None:
     logging.getLogger("weavecell").info(f"written to {path}")
 
 
+@public
 def new_fabric(
     file: FilePath,
     *,
@@ -609,6 +617,7 @@ def _ask_values(family, fitted):
 
 
 @explain_missing()
+@public
 def view(
     file: FilePath,
     *,

@@ -20,6 +20,7 @@ from fabrics import assumed, catalogue
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
@@ -264,7 +265,11 @@ def size(value: Any) -> Any:
         from meshing.mesh_file import MeshFile
 
         return MeshFile.load(value)
-    if not isinstance(value, str) or value in SIZES:
+    if isinstance(value, (list, tuple)):
+        return _whole_numbers(value, 3, "mesh", "three whole numbers nx, ny, nz")
+    if not isinstance(value, str):
+        return quantities.read_positive(value, "m", "mesh")
+    if value in SIZES:
         return value
     if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", value):
         return tuple(map(int, value.split(",")))
@@ -275,16 +280,33 @@ def size(value: Any) -> Any:
     )
 
 
+PATCH = "numbers of warp and weft yarns, such as 3x4"
+
+
 def _count(patch):
     """(n, m) numbers of warp and weft yarns, also of a text such as "3x4"."""
     if not isinstance(patch, str):
-        return tuple(patch)
+        return _whole_numbers(patch, 2, "patch", PATCH)
     counts = re.fullmatch(r"\s*(\d+)\s*[xX×]\s*(\d+)\s*", patch)
     if counts is None:
-        raise InputError(
-            key="patch", value=patch, allowed="numbers of warp and weft yarns, such as 3x4"
-        )
+        raise InputError(key="patch", value=patch, allowed=PATCH)
     return int(counts[1]), int(counts[2])
+
+
+def _whole_numbers(values, count, key, allowed):
+    """A tuple of so many whole numbers above zero.
+
+    Raises
+    ------
+    InputError : anything else
+    """
+    try:
+        numbers = tuple(quantities.read_whole(value, key, 1) for value in values)
+    except InputError:
+        numbers = ()
+    if len(numbers) != count:
+        raise InputError(key=key, value=values, allowed=allowed)
+    return numbers
 
 
 def build(
@@ -313,6 +335,7 @@ def of_calibration(fabric: Fabric, size: Any) -> MeshResult:
     return MeshResult(fabric, build(fabric, "whole", size=size))
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class MeshResult(Result):
     """The mesh of a crossover or a woven patch.
@@ -330,6 +353,7 @@ class MeshResult(Result):
     """
 
     kind = "mesh"
+    uses = ("mesh",)
 
     fabric: Fabric
     mesh: Any

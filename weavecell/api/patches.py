@@ -20,6 +20,7 @@ import numpy as np
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
 from weavecell.api.command import Plan, Running, command
@@ -136,6 +137,7 @@ def patch(
     return PatchPlan(panel, chosen)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class PatchResult(DrawnResult):
     """A patch that has been struck in three models; the table has a row a time.

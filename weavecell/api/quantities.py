@@ -11,7 +11,8 @@ from typing import Any
 from fabrics import plausible
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.units import of_pint, si
+from fabrics.base.units import si
+from fabrics.base.values import plain
 
 
 def number(value: Any, unit: str, key: str) -> float:
@@ -32,7 +33,7 @@ def number(value: Any, unit: str, key: str) -> float:
     >>> number("203 mm", "m", "opening"), number(0.203, "m", "opening")
     (0.203, 0.203)
     """
-    value = of_pint(value)
+    value = plain(value)
     if isinstance(value, str):
         return si(value, unit, key=key)
     try:
@@ -119,7 +120,10 @@ def numbers(value: Any, unit: str, key: str) -> list[float]:
         parts = map(str.strip, value.split(","))
     elif isinstance(value, (tuple, list)):
         parts = value
-    return [number(part, unit, key) for part in parts]
+    found = [number(part, unit, key) for part in parts]
+    if not found:
+        raise InputError(key=key, value=value, allowed="one value or more")
+    return found
 
 
 def pair(value: Any, unit: str, key: str, what: str = "of warp and weft") -> tuple[float, float]:

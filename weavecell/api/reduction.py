@@ -28,8 +28,10 @@ import numpy as np
 from fabrics import catalogue, plausible
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
+from weavecell.api.entrance import public
 from weavecell.api.result import save_to
 from weavecell.api.study_result import DrawnResult
 from weavecell.results import out_folder
@@ -47,6 +49,7 @@ OF_COMPRESSION = (
 OF_SHOT = ("shot.json", "motion.csv", "motion.svg")
 
 
+@public
 @out_folder.reading
 def reduce_compression(
     record: FilePath,
@@ -136,6 +139,7 @@ def _pack(text):
     return int(found[1]), found[2].strip()
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class CompressionRecords(DrawnResult):
     """Reduced compression records; the table has a row a pack.
@@ -268,6 +272,7 @@ def _spread(found, factor):
     return f"{factor * found.value:.4g} ({factor * found.low:.4g} to {factor * found.high:.4g})"
 
 
+@public
 @out_folder.reading
 def reduce_shot(
     record: FilePath,
@@ -339,6 +344,7 @@ def _histories(folder):
     return open_folder(folder).read_histories("time", "velocity", "contact_force")
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class ShotRecord(DrawnResult):
     """A reduced displacement record; the table has a row an instant.

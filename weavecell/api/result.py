@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 from base64 import b64encode
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -41,6 +43,16 @@ class Result:
 
     # table of results/keys.toml that says what it has
     kind: ClassVar[str] = ""
+    # what computes it, for `cite`: "panel", "crossover" or "mesh"
+    uses: ClassVar[tuple[str, ...]] = ("panel",)
+    # that it was written to or read from; None of a result that stands in no folder
+    folder: Path | None = None
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Let the method that writes a result remember where."""
+        super().__init_subclass__(**options)
+        if "save" in vars(cls):
+            cls.save = _remember_folder(cls.save)  # type: ignore[attr-defined]
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -218,6 +230,22 @@ class Result:
                 f"<details{opened}><summary>all values, {len(table)} rows</summary>{rows}</details>",
             )
         )
+
+
+def _remember_folder(save):
+    """A method save(result, out) that leaves the folder at the result."""
+
+    @functools.wraps(save)
+    def called(result, out):
+        save(result, out)
+        remember_folder(result, out)
+
+    return called
+
+
+def remember_folder(result: Result, folder: FilePath) -> None:
+    """Note at a result, which is frozen, the folder that holds it."""
+    vars(result)["folder"] = Path(folder)
 
 
 def say_before_range(line: str) -> None:

@@ -22,6 +22,7 @@ import numpy as np
 
 from fabrics import assumed
 from fabrics.base.door import in_terminal, option
+from fabrics.base.frozen import explain_frozen
 from weavecell.api.result import Result
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ class _Size(Result):
         return f"{low} to {high} s of CPU time"
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class RunSize(_Size):
     """What an impact would take.
@@ -208,6 +210,7 @@ def _foresee(setup, pack):
     return tuple(f"foreseen if yarns fail: doubtful: {one.text}" for one in found if one.doubtful)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class StudySize(_Size):
     """What a study of many shots would take.
@@ -323,6 +326,7 @@ class StudySize(_Size):
         return "\n".join(lines)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class WorkSize(Result):
     """What a command would compute that fires no shots: how much of what.
@@ -356,6 +360,7 @@ class WorkSize(Result):
         return "\n".join([f"{self.title}: nothing is run", amounts, *self.assumed])
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class SizeOfPatch(_Size):
     """What a patch of woven solid yarns would take, beside which the other two models cost nothing.

@@ -10,6 +10,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
+from weavecell.api.entrance import public
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.target import build_target
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
 
 
+@public
 def fabric(
     name: FilePath, *, linear_density: Literal["effective", "nominal"] = "effective"
 ) -> Fabric:
@@ -45,6 +47,7 @@ def fabric(
 
 
 @explain_keywords(Keywords)
+@public
 def setup(
     fabric: Fabric | FilePath | None, velocity: float | str, **options: Unpack[Keywords]
 ) -> ImpactSetup:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
+from weavecell.api.entrance import public
 from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
     from weavecell.results.result_folder import ResultFolder
 
 
-def load(folder: FilePath, *, changed: bool = False) -> ShotResult | SavedResult:
+@public
+def load(folder: FilePath | Result, *, changed: bool = False) -> ShotResult | SavedResult:
     """Open the results of an earlier run, wherever their folder is now.
 
     The files are compared with the digests that were written with them. A scene that names files of
@@ -29,7 +32,8 @@ def load(folder: FilePath, *, changed: bool = False) -> ShotResult | SavedResult
 
     Parameters
     ----------
-    folder : that a command or function wrote, its `out`
+    folder : that a command or function wrote, its `out`; or a result that was written, whose
+        `folder` it is
     changed : take files that were changed since they were written, and say which; else they are
         refused
 
@@ -50,8 +54,9 @@ def load(folder: FilePath, *, changed: bool = False) -> ShotResult | SavedResult
     """
     from weavecell.results import result_folder
 
+    place = _folder_of(folder) if isinstance(folder, Result) else folder
     found = result_folder.open_folder(
-        folder, changed=changed, allowed="a folder of results, the out of a run"
+        place, changed=changed, allowed="a folder of results, the out of a run"
     )
     if found.is_impact:
         if not found.has(result_folder.SCENE):
@@ -67,6 +72,20 @@ def load(folder: FilePath, *, changed: bool = False) -> ShotResult | SavedResult
     raise InputError(key="folder", value=str(folder), allowed=allowed)
 
 
+def _folder_of(result: Result) -> Path:
+    """Return the folder of a result.
+
+    Raises
+    ------
+    InputError : it was not written
+    """
+    if result.folder is None:
+        allowed = "a result that was written: with out=..., or by its method save"
+        raise InputError(key="folder", value=type(result).__name__, allowed=allowed)
+    return result.folder
+
+
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class SavedResult(Result):
     """What a folder has of a result that is no single impact.
@@ -87,7 +106,8 @@ class SavedResult(Result):
     ['strike_velocity_m_s', 'residual_velocity_m_s']
     """
 
-    folder: Path
+    # always given, though a Result has it as None
+    folder: Path = field()
     name: str
     content: dict[str, Any]
     tables: dict[str, DataFrame]
@@ -181,6 +201,8 @@ def overlay(*results: Any) -> Figure:
 
 def _name_of(result, number):
     """What a curve is called."""
-    folder = getattr(result, "folder", None) or getattr(result, "read_from", None)
+    folder = getattr(result, "read_from", None)
+    if isinstance(result, SavedResult):
+        folder = result.folder
     title = Path(folder).name if folder else getattr(result, "title", type(result).__name__)
     return finding.tag(f"{number}: {title}", result.doubts)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import UnstableError
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
@@ -261,6 +262,7 @@ def v50(
     return V50Plan(panel, scatter, **sizes, over=over, assumed_range=assumed_range)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class V50Result(StudyResult):
     """The probability of perforation of panels or packs whose yarns differ in strength; the table

@@ -37,10 +37,11 @@ from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
+from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import Result, figure, say_before_range
+from weavecell.api.result import Result, figure, remember_folder, say_before_range
 from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import installed
@@ -454,10 +455,19 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "left_out", "wall_time"),
+    *(
+        "checks_text",
+        "doubtful",
+        "doubts",
+        "assumed",
+        "assumed_range",
+        "left_out",
+        "wall_time",
+    ),
 )
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False, kw_only=True)
 class ShotResult(ImpactRecord, Result):
     """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord`
@@ -513,13 +523,15 @@ class ShotResult(ImpactRecord, Result):
     @classmethod
     def of_folder(cls, found: ResultFolder, target: Target) -> ShotResult:
         """Read the result of a finished run at a target from its opened folder, as `read_folder`."""
-        return replace(
+        result = replace(
             cast(ShotResult, found.read_impact(cls)),
             fabric=target.setup.fabric,
             assumed=list_assumptions(target.setup),
             target=target,
             read_from=found.folder,
         )
+        remember_folder(result, found.folder)
+        return result
 
     @property
     def window(self) -> Window | None:

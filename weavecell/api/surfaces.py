@@ -24,6 +24,7 @@ import numpy as np
 from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
 from weavecell.api import meshes, quantities
@@ -206,6 +207,7 @@ def _cell(fabric, surface):
     return {"T1": state["N1"], "T2": state["N2"], "F_c": state["F"]}
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class SurfaceResult(Result):
     """The response surface of the 3D crossover.
@@ -226,6 +228,7 @@ class SurfaceResult(Result):
     """
 
     kind = "surface"
+    uses = ("crossover",)
 
     fabric: Fabric
     sampled: Sampled

@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack, cast
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from fabrics.base.door import in_terminal
 from fabrics.base.errors import InputError, nearest
 from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
+from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import entries, unit_of
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
@@ -40,7 +41,16 @@ from weavecell.api.result import Result, figure, plain
 from weavecell.api.run_size import StudySize
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
-from weavecell.api.target import Target, is_input_file, read_target, resolve_target
+from weavecell.api.target import (
+    STRIKE,
+    Target,
+    build_target,
+    is_input_file,
+    is_setup,
+    read_target,
+    resolve_target,
+)
+from weavecell.api.varied_setup import read_key, vary_setup
 from weavecell.results import display, out_folder, progress
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
@@ -186,7 +196,7 @@ class SetupsPlan(Plan["SweepResult"]):
 @command(SweepPlan, SetupsPlan)
 @explain_keywords(ResumableKeywords)
 def sweep(  # type: ignore[misc]  # `out` is one of its options too
-    target: Fabric | FilePath | Iterable[ImpactSetup],
+    target: Fabric | FilePath | ImpactSetup | Iterable[ImpactSetup],
     *,
     over: list[str] | Mapping[str, Sequence[Any]] | None = None,
     quantity: str = "shot",
@@ -211,8 +221,9 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
 
     Parameters
     ----------
-    target : input file of a ply or pack, or name of a fabric or its file; in Python also set-ups of
-        `setup`, of which each is fired as `impact` does
+    target : input file of a ply or pack, or name of a fabric or its file; in Python also a Fabric,
+        a set-up of `setup`, or several set-ups without `over`, of which each is fired as `impact`
+        does
     over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in
         Python also a dict. A key is also one of modulus, failure_strain, crimp_warp, crimp_weft,
         areal_density, compression_a, compression_b, trellis_stiffness, trellis_angles and
@@ -254,13 +265,15 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         if name in keywords.tables():
             raise InputError(_hint_at_key(name, value), key=name, value=value)
     Execution.refuse_others("sweep", options)
-    if not isinstance(target, (Fabric, str, Path)):
+    given = target
+    target = _one_setup(target)
+    if not (is_setup(target) or isinstance(target, (str, Path))):
         unused = {"over": over, "tolerance": tolerance, "shots": shots, "seed": seed}
         quantities.refuse_unused(unused, "beside set-ups")
         if out is not None:
             allowed = "left out of set-ups: an input file, or a fabric, has a report"
             raise InputError(key="out", allowed=allowed)
-        return SetupsPlan(tuple(cast("Iterable[ImpactSetup]", target)))
+        return SetupsPlan(_list_setups(target))
     from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths
     from weavecell.studies import sweep as studies
@@ -292,14 +305,15 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             hint = _hint_at_key(key, keys[key])
             raise InputError(hint, key=f"over, {key}")
     struck = "projectile.strike_velocity"
-    if quantity == "shot" and struck not in keys and not is_input_file(str(target)):
+    of_fabric = isinstance(given, (str, Path, Fabric)) and not is_input_file(str(given))
+    if quantity == "shot" and struck not in keys and of_fabric:
         example = _over(struck, ["90 m/s", "150 m/s"])
         allowed = f"given for a fabric, such as {example}, or an input file"
         raise InputError("is missing", key=struck, allowed=allowed)
     readers: dict[str, Reader] = {"shot": "sweep", "critical-velocity": "limit", "v50": "v50"}
     reader = readers[quantity]
     combinations = _combinations(keys, one_at_a_time)
-    panels = [_panel(str(target), Path(out or "."), reader, each) for each in combinations]
+    panels = [_panel(target, Path(out or "."), reader, each) for each in combinations]
     for panel in panels:
         if quantity == "v50":
             strengths.check(panel.setup, inputs.read_scatter())
@@ -315,6 +329,29 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         first,
         one_at_a_time,
     )
+
+
+def _one_setup(target):
+    """The set-up of a Fabric, struck as in the standard shot; any other target as it is."""
+    if isinstance(target, Fabric):
+        return build_target(target, STRIKE, {}, "sweep").setup
+    return target
+
+
+def _list_setups(target):
+    """The set-ups that are given together.
+
+    Raises
+    ------
+    InputError : anything else, or none
+    """
+    listed: tuple[Any, ...] = ()
+    if isinstance(target, Iterable):
+        listed = tuple(target)
+    if not listed or not all(map(is_setup, listed)):
+        allowed = "an input file, a fabric, a set-up of `setup`, or a list of set-ups"
+        raise InputError(key="target", value=target, allowed=allowed)
+    return listed
 
 
 def _forecast(setup, quantity, shots, width):
@@ -352,7 +389,11 @@ def _panel(target, folder, reader, changes):
     for note in plausible.judge(compared):
         build.LOG.info(f"note: {note}")
     keys = {key: value for key, value in changes.items() if key not in factors}
-    panel = read_target(target, folder, reader, changes=keys)
+    if is_setup(target):
+        varied = vary_setup(target, keys)
+        panel = Target(None, varied, "", varied.title, from_file=False)
+    else:
+        panel = read_target(str(target), folder, reader, changes=keys)
     if not factors:
         return panel
     if panel.setup.surface is not None:
@@ -399,6 +440,8 @@ def parse(text: str) -> tuple[str, list[Any]]:
     ------
     InputError : a text of another form
     """
+    if not isinstance(text, str):
+        raise InputError(key="over", value=text, allowed=f"a dict, or a list of texts {OVER}")
     key, mark, values = text.partition("=")
     if not mark or not key.strip() or not all(value.strip() for value in values.split(",")):
         raise InputError(key="over", value=text, allowed=OVER)
@@ -416,6 +459,7 @@ def _value(text):
     return text
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class SweepTable(StudyResult):
     """An input file over values of its keys.
@@ -535,6 +579,9 @@ class SweepTable(StudyResult):
             return [row[key] for row in self.rows], _say_key(key)
         values = []
         for panel in self.targets:
+            if panel.case is None:
+                values.append(read_key(panel.setup, key))
+                continue
             value = panel.case.scene
             for part in key.split("."):
                 value = getattr(value, part)
@@ -604,6 +651,7 @@ def _fire(setup):
     return shot_of(resolve_target(setup, {}, "shot"), result, problem)
 
 
+@explain_frozen
 @dataclass(frozen=True, repr=False)
 class SweepResult(Result, Sequence):
     """Results of several shots, in their order; an unstable one has the outcome "unstable".

@@ -221,8 +221,8 @@ def _target(scene, name, stem, text, from_file=False):
     return Target(case, build.setup(case, name), text, name, from_file)
 
 
-def _is_setup(target: object) -> TypeGuard[ImpactSetup]:
-    """Whether a target is a set-up, whose class comes with the solver."""
+def is_setup(target: object) -> TypeGuard[ImpactSetup]:
+    """Tell whether a target is a set-up, whose class comes with the solver."""
     from shellfabric.impact.setup import ImpactSetup
 
     return isinstance(target, ImpactSetup)
@@ -262,7 +262,7 @@ def resolve_target(
     file = ""
     if isinstance(target, (str, os.PathLike)):
         file = str(target)
-    elif _is_setup(target):
+    elif is_setup(target):
         _refuse(beside, "a set-up", function)
         return Target(None, target, "", target.title, from_file=False)
     if is_input_file(file):
@@ -360,8 +360,9 @@ def refuse_result(value: object) -> None:
     """
     if isinstance(value, Result):
         allowed = (
-            "a fabric, an input file or a set-up, which is then computed; "
-            "overlay(...) and view(..., beside=...) show results side by side"
+            "a fabric, an input file or a set-up, which is then computed; compare(...) takes "
+            "results of v50 and critical_velocity, overlay(...) and view(..., beside=...) show "
+            "results side by side"
         )
         raise InputError("is a result", key=type(value).__name__, allowed=allowed)
 

@@ -261,11 +261,16 @@ def _with_ply_contact(fabric, choice, law):
 
 
 def _surface(surface, fabric):
-    """The response surface of a path, or the surface itself, checked against the fabric."""
+    """The response surface of a path, of a result, or the surface itself, checked against the
+    fabric."""
     from shellfabric.cell.surface_cell import SurfaceCell
 
-    if isinstance(surface, ResponseSurface):
-        return SurfaceCell(fabric, surface).surface
+    own = getattr(surface, "surface", surface)
+    if isinstance(own, ResponseSurface):
+        return SurfaceCell(fabric, own).surface
+    if not isinstance(surface, (str, Path)):
+        allowed = "a ResponseSurface, a SurfaceResult, or the path of a surface"
+        raise InputError(key="surface", value=surface, allowed=allowed)
     if not os.path.exists(surface):
         raise InputError(
             "cannot be read; must be a surface written by `weavecell surface`", file=surface

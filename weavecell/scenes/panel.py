@@ -187,7 +187,7 @@ def _zones(value):
     """Zones (until, side) [crossovers] of a grading, as numbers."""
     if value is None:
         return None
-    if all(isinstance(zone, list) for zone in value):
+    if isinstance(value, list) and all(isinstance(zone, list) for zone in value):
         numbers = [part for zone in value for part in zone]
     else:
         numbers = [None]
