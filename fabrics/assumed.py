@@ -18,6 +18,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 
+from fabrics import plausible
 from fabrics.base.errors import InputError
 from fabrics.data_sheet import (
     FAMILIES,
@@ -28,6 +29,7 @@ from fabrics.data_sheet import (
     crimps,
     entries,
     failure_length,
+    ranges_of_fibre,
 )
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FIBRES, OF_YARNS
@@ -333,8 +335,9 @@ def laws(fabric: Fabric) -> list[str]:
 
 
 def lines(fabric: Fabric) -> list[str]:
-    """Write one line for each table that was assumed, for crimp computed from the thickness, for
-    the failure length and for what no data sheet gives."""
+    """Write one line for what an idealised fabric has beyond the plausible, for each table that was
+    assumed, for crimp computed from the thickness, for the failure length and for what no data sheet
+    gives."""
     family = family_of(fabric)
     name = "unknown"
     if family is not None:
@@ -348,6 +351,8 @@ def lines(fabric: Fabric) -> list[str]:
         words[key] = f"{key} {entry.written}"
     words["failure_length"] = f"failure length {failure_length(fabric.weave).written}"
     lines = []
+    if fabric.idealised:
+        lines.append(f"assumed: {fabric.name} is idealised: {describe_idealised(fabric)}")
     # what is of a shot comes last
     for key in sorted(fabric.assumed, key=OF_SHOTS.__contains__):
         line = f"assumed: {words.get(key)}, because {fabric.name} gives none"
@@ -355,6 +360,15 @@ def lines(fabric: Fabric) -> list[str]:
             line = _crimp_line(fabric)
         lines.append(line)
     return lines + _own_lines(fabric)
+
+
+def describe_idealised(fabric: Fabric) -> str:
+    """Write which numbers of an idealised fabric are beyond the plausible, as they are meant to be."""
+    beyond = list(plausible.judge(plausible.of_fabric(fabric)))
+    for family, yarn in zip(FAMILIES, fabric.weave.yarns):
+        if ranges := ranges_of_fibre(yarn):
+            beyond.append(f"{family} outside of {ranges}")
+    return "; ".join(beyond) or "none of its numbers is beyond the plausible"
 
 
 def _own_lines(fabric):

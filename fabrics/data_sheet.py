@@ -142,10 +142,8 @@ def linear_density(yarn: YarnTable) -> float:
 
 
 def check_fibre(yarn: Yarn, key: str) -> None:
-    """Check strength and failure strain of a yarn against the ranges of the fibre families it may
-    belong to.
-
-    Yarns of no family are not checked.
+    """Refuse strength and failure strain of a yarn outside the ranges of the fibre families it may
+    belong to (`ranges_of_fibre`).
 
     Parameters
     ----------
@@ -155,17 +153,24 @@ def check_fibre(yarn: Yarn, key: str) -> None:
     ------
     InputError : outside the ranges of all of them
     """
+    allowed = ranges_of_fibre(yarn)
+    if allowed:
+        raise InputError(key=key, allowed=allowed)
+
+
+def ranges_of_fibre(yarn: Yarn) -> str:
+    """Write the ranges that a yarn with its strength and failure strain is outside of: those of the
+    fibre family it may belong to; "" inside, and of yarns of no family."""
     fibre = {"strength": yarn.E * yarn.failure_strain, "failure_strain": yarn.failure_strain}
     families = [family for family in list_families() if family.holds(yarn)]
     if not families or any(family.allows(fibre) for family in families):
-        return
+        return ""
     limits = families[0].strengths
     strain = "{:g} to {:g}".format(*(100 * end for end in limits["failure_strain"]))
     stress = "{:g} to {:g}".format(*(1e-9 * end for end in limits["strength"]))
-    raise InputError(
-        key=key,
-        allowed=f"a failure strain of {strain} % and a strength of {stress} GPa, the ranges of {families[0].name} "
-        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * fibre['strength']:.3g} GPa",
+    return (
+        f"a failure strain of {strain} % and a strength of {stress} GPa, the ranges of {families[0].name} "
+        f"yarns, not {100 * yarn.failure_strain:.3g} % and {1e-9 * fibre['strength']:.3g} GPa"
     )
 
 

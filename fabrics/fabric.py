@@ -59,6 +59,7 @@ class Fabric:
     guessed : dotted keys of numbers that are assumed without a range
     family : name of the fibre family whose values are assumed; None takes that which modulus and
         fibre density decide
+    idealised : whether numbers beyond the plausible are meant (`fabrics.plausible`)
     """
 
     name: str
@@ -83,6 +84,7 @@ class Fabric:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     guessed: tuple[str, ...] = ()
     family: str | None = None
+    idealised: bool = False
 
     def __post_init__(self):
         positive(self, "failure_length")

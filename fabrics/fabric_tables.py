@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from fabrics.base.errors import InputError, nearest, together
-from fabrics.base.schema import Table, described, one_of, string
+from fabrics.base.schema import Table, described, flag, one_of, string
 from fabrics.base.units import example, in_one_of, si
 
 # how a number of a fabric is known
@@ -80,8 +80,14 @@ class Quantity:
         low, _, rest = self.bounds[unit].partition(" to ")
         return si(f"{low} {rest.partition(' ')[2]}", unit), si(rest, unit)
 
-    def read(self, value: Any, *, key: str | None = None) -> tuple[float, str]:
+    def read(
+        self, value: Any, *, key: str | None = None, idealised: bool = False
+    ) -> tuple[float, str]:
         """Read a value as it is written: (number, its SI unit).
+
+        Parameters
+        ----------
+        idealised : whether it may be out of bounds, with the sign that they have
 
         Raises
         ------
@@ -90,7 +96,8 @@ class Quantity:
         number, unit = in_one_of(value, tuple(self.bounds), key=key)
         if self.bounds[unit]:
             low, high = self.limits(unit)
-            if not low <= number <= high:
+            has_sign = number > 0 or low == number == 0
+            if not (low <= number <= high or (idealised and has_sign)):
                 raise InputError(key=key, value=value, allowed=f"from {self.bounds[unit]}")
         return number, unit
 
@@ -114,7 +121,8 @@ class Quantity:
         status = entry.get("status", "user")
         if status not in STATUSES:
             raise InputError(key="status", value=status, allowed=f"one of {', '.join(STATUSES)}")
-        number, unit = self.read(entry.get("value"))
+        idealised = info.context.get("idealised", False)
+        number, unit = self.read(entry.get("value"), idealised=idealised)
         written = str(entry["value"])
         ratios = None
         if "low" in entry or "high" in entry:
@@ -125,7 +133,10 @@ class Quantity:
                     allowed=f"left out, except of {', '.join(RANGED)}",
                 )
             same = replace(self, bounds={unit: self.bounds[unit]})
-            low, high = (same.read(entry.get(key), key=key)[0] for key in ("low", "high"))
+            low, high = (
+                same.read(entry.get(key), key=key, idealised=idealised)[0]
+                for key in ("low", "high")
+            )
             for key, fits in (("low", 0 < low <= number), ("high", high >= number)):
                 if not fits:
                     allowed = "at least value"
@@ -391,6 +402,9 @@ class FabricFile(DataTable):
         "fibre family whose laws are assumed; with wider ranges if modulus and fibre density are of another fibre",
         *FIBRES,
     ) = None
+    idealised: flag(
+        "whether numbers beyond the plausible are meant: they are taken, and each result names them"
+    ) = False
     warp: _yarn("warp")
     weft: _yarn("weft")
     compression: _both(LawTable, Laws) = None

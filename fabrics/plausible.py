@@ -2,7 +2,8 @@
 
 `plausible.toml` holds all ranges. A number, or the dimensionless group that it belongs to, is noted
 at an end of its range or beyond it, and refused beyond `least` or `most`, by default ten times
-outside. The schema of a fabric file (`fabrics.fabric_tables`) says what a key may be at all;
+outside. Of a fabric that says `idealised = true` none is refused: all that is outside is one of its
+assumptions (`fabrics.assumed`). The schema of a fabric file (`fabrics.fabric_tables`) says what a key may be at all;
 `fabrics.data_sheet` finds numbers of one file that contradict each other.
 """
 
@@ -96,11 +97,14 @@ class Number:
     key : of the number in the input, or of that which decides a group
     row : name of the row in `plausible.toml`
     value : of the number or the group, in the SI unit of the row
+    taken : whether it is noted, and never refused: it is measured by an idealised fabric, or by one
+        that Python has changed
     """
 
     key: str
     row: str
     value: float
+    taken: bool = False
 
 
 @cache
@@ -110,15 +114,12 @@ def rows() -> dict[str, Row]:
     return {name: Row.read(entry) for name, entry in content.items()}
 
 
-def judge(
-    numbers: Iterable[Number], *, file: FilePath | None = None, refuses: bool = True
-) -> tuple[str, ...]:
+def judge(numbers: Iterable[Number], *, file: FilePath | None = None) -> tuple[str, ...]:
     """Compare numbers with their rows.
 
     Parameters
     ----------
     file : that they are read from, named in errors
-    refuses : whether a number far outside is refused; else it has a note too
 
     Returns
     -------
@@ -135,7 +136,7 @@ def judge(
         if row.holds(number.value):
             continue
         words = row.words(number.value)
-        if refuses and not row.allows(number.value):
+        if not number.taken and not row.allows(number.value):
             raise InputError(
                 f"{words}: check value and unit ({row.source})", key=number.key, file=file
             )
@@ -143,8 +144,13 @@ def judge(
     return tuple(f"{' and '.join(keys)}: {words}" for words, keys in said.items())
 
 
-def of_fabric(fabric: Fabric) -> list[Number]:
-    """List the numbers of a fabric that its file gives, with the groups they belong to."""
+def of_fabric(fabric: Fabric, taken: bool = False) -> list[Number]:
+    """List the numbers of a fabric that its file gives, with the groups they belong to.
+
+    Parameters
+    ----------
+    taken : whether none is refused, as of an idealised fabric
+    """
     numbers = [*_of_yarns(fabric), *_of_weave(fabric), *_of_lengths(fabric)]
     numbers += _of_micrographs(fabric)
     if fabric.laws is not None:
@@ -159,7 +165,7 @@ def of_fabric(fabric: Fabric) -> list[Number]:
         numbers += _of_rates(fabric.strain_rate)
     if fabric.ply_contact is not None:
         numbers += _of_ply_contact(fabric)
-    return numbers
+    return [replace(number, taken=taken or fabric.idealised) for number in numbers]
 
 
 def _of_yarns(fabric):
@@ -252,8 +258,8 @@ def of_laws(laws: Iterable[CompressionLaw], fabric: Fabric, key: str) -> Iterato
         # a yarn that cannot be compressed has a = b = 0
         if law.a > 0:
             where = _where(fabric, key, family)
-            yield Number(f"{where}.a", "a", law.a / thickness)
-            yield Number(f"{where}.b", "b", law.F0 / yarn.strength)
+            yield Number(f"{where}.a", "a", law.a / thickness, fabric.idealised)
+            yield Number(f"{where}.b", "b", law.F0 / yarn.strength, fabric.idealised)
 
 
 def of_shear(law: TrellisShear, fabric: Fabric) -> Iterator[Number]:
@@ -262,11 +268,11 @@ def of_shear(law: TrellisShear, fabric: Fabric) -> Iterator[Number]:
     yarn = weave.warp
     section = weave.thickness / weave.warp_count
     if section > 0:
-        yield Number("shear.G1", "G1", law.G1 * section / yarn.EA)
-        yield Number("shear.G2", "G2", law.G2 * section / yarn.EA)
-    yield Number("shear.G2", "G1_over_G2", law.G1 / law.G2)
-    yield Number("shear.gamma1", "gamma1", law.gamma1)
-    yield Number("shear.gamma2", "gamma2", law.gamma2)
+        yield Number("shear.G1", "G1", law.G1 * section / yarn.EA, fabric.idealised)
+        yield Number("shear.G2", "G2", law.G2 * section / yarn.EA, fabric.idealised)
+    yield Number("shear.G2", "G1_over_G2", law.G1 / law.G2, fabric.idealised)
+    yield Number("shear.gamma1", "gamma1", law.gamma1, fabric.idealised)
+    yield Number("shear.gamma2", "gamma2", law.gamma2, fabric.idealised)
 
 
 def _where(fabric, key, family):
@@ -308,25 +314,23 @@ def of_block(material: Isotropic) -> Iterator[Number]:
 
 
 def noted(
-    fabric: Fabric,
-    numbers: Iterable[Number] | None = None,
-    *,
-    file: FilePath | None = None,
-    refuses: bool = True,
+    fabric: Fabric, numbers: Iterable[Number] | None = None, *, file: FilePath | None = None
 ) -> Fabric:
     """Return the fabric with a note about each number that is not plausible.
 
     Parameters
     ----------
-    numbers : that are judged; None takes those of the fabric
+    numbers : that are judged; None takes those of the fabric, of which one that is idealised says
+        itself (`fabrics.assumed.lines`)
     file : that they are read from, named in errors
-    refuses : as for `judge`
 
     Raises
     ------
     InputError : as `judge`
     """
+    if numbers is None and fabric.idealised:
+        return fabric
     if numbers is None:
         numbers = of_fabric(fabric)
-    found = [f"note: {note}" for note in judge(numbers, file=file, refuses=refuses)]
+    found = [f"note: {note}" for note in judge(numbers, file=file)]
     return replace(fabric, notes=tuple(dict.fromkeys((*fabric.notes, *found))))

@@ -97,7 +97,8 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
         content = read_toml(path, what="fabric")[1]
     else:
         content = parse_toml(text)
-    file = validated(FabricFile, content, path, {"source": path.name})
+    context = {"source": path.name, "idealised": content.get("idealised") is True}
+    file = validated(FabricFile, content, path, context)
     data = file.data()
     sources = {key: datum.entry for key, datum in data.items()}
     try:
@@ -118,8 +119,8 @@ def _fabric(file, data, sources, path):
     # a wrong mass also spoils strength and thickness: it is reported first
     masses = data_sheet.mass_notes(file, crimp)
     strengths: dict[str, list[str]] = {}
-    warp = _yarn("warp", file.warp, crimp[0], strengths)
-    weft = _yarn("weft", file.weft, crimp[1], strengths)
+    warp = _yarn("warp", file, crimp[0], strengths)
+    weft = _yarn("weft", file, crimp[1], strengths)
     weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
     notes += data_sheet.thickness_note(weave, thickness) if thickness else []
@@ -185,6 +186,7 @@ def _fabric(file, data, sources, path):
         ranges=ranges,
         guessed=tuple(guessed),
         family=file.family,
+        idealised=file.idealised,
         notes=tuple(notes),
     )
     fabric = assumed.with_ranges_of_guesses(fabric)
@@ -252,8 +254,9 @@ def _crimps(file, thickness, sources):
     return crimp, True
 
 
-def _yarn(family, table, crimp, strengths):
+def _yarn(family, file, crimp, strengths):
     """The Yarn of a family; `strengths` gets what is to be said of its strength."""
+    table = file.yarns[family]
     density = table.fibre_density.value
     E = data_sheet.modulus(table)
     linear_density = data_sheet.linear_density(table)
@@ -261,7 +264,8 @@ def _yarn(family, table, crimp, strengths):
     strength = table.strength or table.tenacity
     if strength is None:
         yarn = _made(Yarn, family, linear_density, density, E, strain, crimp)
-        data_sheet.check_fibre(yarn, f"{family}.failure_strain")
+        if not file.idealised:
+            data_sheet.check_fibre(yarn, f"{family}.failure_strain")
         return yarn
     reached = data_sheet.strain_at_strength(
         strength.value, strength.unit, linear_density, density, E
@@ -270,13 +274,14 @@ def _yarn(family, table, crimp, strengths):
     low, high = strains.limits("")
     key = f"{family}.{'tenacity' if table.strength is None else 'strength'}"
     # a wrong modulus or unit shows itself as a strain that no fibre has
-    if not low <= reached <= high:
+    if not (file.idealised or low <= reached <= high):
         bounds = f"{strains.bounds['']}, not {100 * reached:.3g} %"
         raise InputError(
             key=key, allowed=f"a strength that this modulus reaches at a strain from {bounds}"
         )
     yarn = _made(Yarn, family, linear_density, density, E, reached, crimp)
-    data_sheet.check_fibre(yarn, key)
+    if not file.idealised:
+        data_sheet.check_fibre(yarn, key)
     if strain is not None:
         note = data_sheet.strength_note(yarn, strain, strength.written, f"{family}.failure_strain")
         strengths.setdefault(note, []).append(family)

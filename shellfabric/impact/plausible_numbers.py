@@ -72,7 +72,8 @@ def _of_panel(setup):
     strength = setup.fabric.weave.warp.strength
     for side in _sides(setup.boundary):
         if isinstance(side, Grip):
-            yield Number("panel.boundary.clamp_force", "clamp_force", side.force / strength)
+            ratio = side.force / strength
+            yield Number("panel.boundary.clamp_force", "clamp_force", ratio, setup.fabric.idealised)
         elif isinstance(side, PullIn):
             yield Number("panel.boundary.pull_in", "pull_in", side.length / smaller)
             yield Number("panel.boundary.zone", "pull_in_zone", side.zone / smaller)
@@ -89,18 +90,20 @@ def _sides(boundary):
 
 def _of_plies(setup):
     thickness = setup.fabric.weave.thickness
+    taken = setup.fabric.idealised
     gaps = [("panel.ply_gap", setup.ply_gap)]
     gaps += [("panel.ply.gap", ply.gap) for ply in setup.lay_up]
     for key, gap in gaps:
         if gap is not None and thickness > 0:
-            yield Number(key, "ply_gap", gap / thickness)
+            yield Number(key, "ply_gap", gap / thickness, taken)
     yield Number("panel.ply_friction", "friction", setup.ply_friction)
     if thickness > 0:
-        yield Number("fabric.crossover_gap", "crossover_gap", setup.crossover_gap / thickness)
+        gap = setup.crossover_gap / thickness
+        yield Number("fabric.crossover_gap", "crossover_gap", gap, taken)
     for yarn, bending in zip(setup.fabric.weave.yarns, np.broadcast_to(setup.bending, 2)):
         # of a round rod of its fibres, which would be as stiff as a yarn can be
         rod = yarn.EA * yarn.A_s / (4 * pi)
-        yield Number("fabric.bending", "bending", float(bending) / rod)
+        yield Number("fabric.bending", "bending", float(bending) / rod, taken)
 
 
 def _of_zone(setup):

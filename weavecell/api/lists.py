@@ -360,6 +360,8 @@ def _fabric(name):
             whole = complete(whole)
         except InputError as problem:
             notes.append(("note", str(problem)))
+    if whole.idealised:
+        notes.append(("idealised", assumed.describe_idealised(whole)))
     notes += [("note", note.removeprefix("note: ")) for note in whole.notes]
     following = DataFrame([*derived.derive_rows(whole), *notes], columns=["quantity", "value"])
     tables = Tables({f"{whole.name}: what follows": following.set_index("quantity")})
@@ -538,11 +540,12 @@ def new_fabric(
     fitted: tuple[str, ...] = ()
     if yarn_curve is not None:
         fitted = fabric_file.OF_YARN_CURVE
+    idealised = False
     if values is None:
         entered = _ask_values(family, fitted)
     else:
-        entered = fabric_file.read_values(values, family, fitted)
-    draft = fabric_file.Draft(path.stem, entered, file=values, family=family)
+        entered, idealised = fabric_file.read_values(values, family, fitted)
+    draft = fabric_file.Draft(path.stem, entered, file=values, family=family, idealised=idealised)
     draft, fits = fabric_file.with_curves(
         draft,
         yarn=yarn_curve,

@@ -55,7 +55,7 @@ def stamp(
             laws += ply.laws or ()
     lines = []
     for fabric in fabrics:
-        if fabric.assumed:
+        if fabric.assumed or fabric.idealised:
             lines += assumed.lines(fabric)
     known = {}
     if lines:

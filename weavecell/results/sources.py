@@ -69,6 +69,8 @@ def _of_fabric(fabric: Fabric) -> Iterator[Source]:
     for key, entry in fabric.sources.items():
         if not key.startswith(_UNUSED):
             yield Source(fabric.name, key, entry["status"], entry["source"])
+    if fabric.idealised:
+        yield Source(fabric.name, "idealised", "assumed", assumed.describe_idealised(fabric))
     standing_in = assumed.shot_entries(fabric)
     names = [name for name in fabric.assumed if name in standing_in]
     if "crimp" in fabric.assumed:

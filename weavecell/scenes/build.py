@@ -141,7 +141,7 @@ def material(
     else:
         # a fabric that Python has changed has not been compared with the plausible ranges; who takes
         # a quarter of its mass or all of its crimp to see what that does means it
-        fabric = plausible.noted(given, refuses=False)
+        fabric = plausible.noted(given, plausible.of_fabric(given, taken=True))
     plain = fabric
     if table.weaving_damage is not None:
         fabric = _weaken(fabric, table.weaving_damage, f"{key}.weaving_damage", file)

@@ -34,6 +34,8 @@ from fabrics.fabric_tables import OF_FABRIC, OF_YARN
 from weavecell.scenes import curves, sheet_names
 from weavecell.scenes.missing_values import BREAKING, OF_STRIP, Value, complete
 
+# row of a CSV file, and key of the file that is made of it
+IDEALISED = "idealised"
 # of both yarns
 REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
 ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
@@ -63,6 +65,7 @@ class Draft:
     shear : {key: (value, source, status)} of [shear], or empty
     file : of the values, named in errors in place of the fabric file
     family : of `fabrics.families` that the file names, or None
+    idealised : whether numbers beyond the plausible are meant
     """
 
     name: str
@@ -70,6 +73,7 @@ class Draft:
     shear: dict[str, tuple[str, str, str]] = field(default_factory=dict)
     file: FilePath | None = None
     family: str | None = None
+    idealised: bool = False
 
     def fabric(self) -> Fabric:
         """Build the Fabric of these values.
@@ -88,6 +92,7 @@ class Draft:
             f"name = {_quote(self.name)}",
         ]
         lines += [] if self.family is None else [f"family = {_quote(self.family)}"]
+        lines += ["idealised = true"] * self.idealised
         for key, value in self.values.items():
             if key in OF_FABRIC:
                 lines.append(f"{key} = {_entry(value.warp, value.source, value.status)}")
@@ -123,11 +128,11 @@ class Draft:
         return fabric
 
 
-def check(key: str, text: str) -> str:
+def check(key: str, text: str, idealised: bool = False) -> str:
     """Check the text of one value; InputError if it is not a quantity of a unit that the key may
-    have, or out of bounds."""
+    have, or out of bounds that an `idealised` fabric has too."""
     try:
-        ALL[key].read(text, key=key)
+        ALL[key].read(text, key=key, idealised=idealised)
     except InputError as problem:
         others = [name for name in ALL if name != key and ALL[name].takes(text)]
         if ALL[key].takes(text) or not others:
@@ -139,8 +144,9 @@ def check(key: str, text: str) -> str:
 
 def read_values(
     path: FilePath, family: str | None = None, fitted: Collection[str] = ()
-) -> dict[str, Value]:
-    """Read the values of a CSV file, and complete them by the fibre family (`missing_values`).
+) -> tuple[dict[str, Value], bool]:
+    """Read the values of a CSV file, and complete them by the fibre family (`missing_values`); with
+    whether the file says that its fabric is idealised.
 
     Parameters
     ----------
@@ -163,13 +169,17 @@ def read_values(
     problems: list[InputError] = []
     tried: set[str] = set()
     lines: dict[str, str] = {}
-    for line, cells in sheet_names.named(table.rows(), ALL, path):
+    rows = list(sheet_names.named(table.rows(), (*ALL, IDEALISED), path))
+    idealised = _is_idealised(rows, path, problems)
+    for line, cells in rows:
         key = cells["key"]
         tried |= {key, nearest(key, ALL) or key}
         if lines.setdefault(key, line) != line:
             message = f"{key} is given in {lines[key]} already"
             problems.append(InputError(message, file=path, key=line, allowed="given once"))
-        elif (value := _row(cells, line, path, problems)) is not None:
+        elif key == IDEALISED:
+            continue
+        elif (value := _row(cells, line, path, problems, idealised)) is not None:
             values[key] = value
     values = complete(values, family)
     tried |= set(values)
@@ -186,21 +196,36 @@ def read_values(
             problems.append(InputError("is missing", file=path, key=key, allowed=allowed))
     if problems:
         raise together(problems)
-    return values
+    return values, idealised
 
 
-def _row(entry, line, path, problems):
+def _is_idealised(rows, path, problems):
+    """Whether a row says that numbers beyond the plausible are meant."""
+    for line, cells in rows:
+        if cells["key"] != IDEALISED:
+            continue
+        text = cells["warp"]
+        if text.lower() not in ("true", "false") or cells.get("weft"):
+            allowed = "true or false, in the column warp"
+            value = ", ".join(filter(None, (text, cells.get("weft"))))
+            where = f"{line}, {IDEALISED}"
+            problems.append(InputError(file=path, key=where, value=value, allowed=allowed))
+        return text.lower() == "true"
+    return False
+
+
+def _row(entry, line, path, problems, idealised):
     """The Value of one row, or None with what is wrong with it added to `problems`."""
     key = entry["key"]
     if key not in ALL:
-        near = nearest(key, ALL)
+        near = nearest(key, (*ALL, IDEALISED))
         hint = None
         if near:
             hint = f'is not a known key, did you mean "{near}"?'
         if hint:
             allowed = None
         else:
-            allowed = f"one of {', '.join(ALL)}"
+            allowed = f"one of {', '.join((*ALL, IDEALISED))}"
         problems.append(InputError(hint, file=path, key="key", value=key, allowed=allowed))
         return None
     texts = []
@@ -216,7 +241,7 @@ def _row(entry, line, path, problems):
         weft = entry.get("weft") or entry["warp"]
     for family, text in (("warp", entry["warp"]), ("weft", weft)):
         try:
-            texts.append(check(key, text) if text or family == "warp" else "")
+            texts.append(check(key, text, idealised) if text or family == "warp" else "")
         except InputError as problem:
             if not (family == "weft" and text == entry["warp"]):
                 problems.append(refused(problem.value, problem.allowed, file=path, key=key))

@@ -140,7 +140,7 @@ def test_the_strength_of_a_strip_is_that_of_its_yarns(text, force, tmp_path):
     """Force over width and count, before weaving takes its share."""
     assert si(text, "N/m") == pytest.approx(force, rel=1e-5)
     path = sheet(tmp_path, PAGE | {"breaking_strength": (text, "300 lbf/inch")})
-    values = fabric_file.read_values(path, "nylon")
+    values, _ = fabric_file.read_values(path, "nylon")
     share = (
         next(each for each in list_families() if each.name == "nylon")
         .shots["strength after weaving"]
