@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from shellfabric.guards import ENERGY_ERROR_LIMIT, ENERGY_GAIN_LIMIT
-from shellfabric.membrane.quality import LIMITS
+from shellfabric.membrane.quality import CHECKS
 from tests import printed_commands
 from tests.printed_commands import PAGES, ROOT
 from validation import program
@@ -283,9 +283,9 @@ def test_every_page_that_data_and_code_name_is_there():
 STATED = {  # words of a page before a limit in %, and the limit of the code
     r"stopped at an energy error of ([\d.]+) %": ENERGY_ERROR_LIMIT,
     r"more than ([\d.]+) % of the strike energy ends the run": ENERGY_GAIN_LIMIT,
-    r"Above ([\d.]+) % of the strike energy the result is marked doubtful": LIMITS["energy error"][
-        0
-    ],
+    r"Above ([\d.]+) % of the strike energy the result is marked doubtful": CHECKS[
+        "energy error"
+    ].limit,
 }
 
 

@@ -25,11 +25,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
-from shellfabric.membrane.quality import LIMITS  # noqa: E402
+from shellfabric.membrane.quality import CHECKS  # noqa: E402
 from validation.study import DATA, read  # noqa: E402
 
 CODE = {
-    "shellfabric.membrane.quality LIMITS": {name: limit for name, (limit, *_) in LIMITS.items()}
+    "shellfabric.membrane.quality CHECKS": {name: check.limit for name, check in CHECKS.items()}
 }
 VALUE = re.compile(r"(<!-- = (.*?) -->)(.*?)(<!-- / -->)")
 ROWS = re.compile(

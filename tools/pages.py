@@ -12,6 +12,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot, isfinite, nan
@@ -28,7 +29,11 @@ import page_values  # noqa: E402
 import reference_pages  # noqa: E402
 from claims_page import markdown  # noqa: E402
 
+from shellfabric.impact.proposals import PROPOSALS  # noqa: E402
+from shellfabric.membrane import quality  # noqa: E402
+from shellfabric.membrane.indicator import Check  # noqa: E402
 from validation.study import read  # noqa: E402
+from weavecell.studies import biaxial_fit, contact_share, limit_scan  # noqa: E402
 
 TESTED = 110  # [m/s] at which a ply of S-726 was perforated
 
@@ -272,10 +277,53 @@ def compression_laws() -> str:
     return f"\n\n{markdown(rows)}\n"
 
 
+# of runs, then of studies; a test finds those that are missing here
+CHECKS: tuple[Check, ...] = (
+    *quality.CHECKS.values(),
+    limit_scan.MIXED,
+    contact_share.WITHOUT_CONTACT,
+    biaxial_fit.WIDEST,
+    biaxial_fit.LIKENESS,
+    biaxial_fit.PREDICTION,
+)
+
+
+def doubtful_results() -> str:
+    """Tabulate what to do about each check that is beyond its limit; checks of one advice share a
+    row."""
+    names: dict[str, list[str]] = {}
+    for check in CHECKS:
+        words = {name: f"`{proposal.words}`" for name, proposal in PROPOSALS.items()}
+        names.setdefault(check.advice.format(**words), []).append(check.name)
+    rows = [["indicator", "what to do"]]
+    rows += [[", ".join(checks), advice] for advice, checks in names.items()]
+    return f"\n\n{markdown(rows)}\n"
+
+
+def quality_checks() -> str:
+    """Tabulate limit and meaning of each check."""
+    rows = [["indicator", "doubtful above", "its value is"]]
+    for check in CHECKS:
+        limit = f"{check.limit:g} {check.unit}".strip()
+        if check.note is not None:
+            limit += f" (noted: {check.note:g})"
+        rows.append([check.name, limit, check.meaning])
+    return f"\n\n{markdown(rows)}\n"
+
+
+def not_here() -> str:
+    """List what weavecell does not have (docs/not_here.toml)."""
+    entries = tomllib.loads((ROOT / "docs" / "not_here.toml").read_text("utf-8"))["entry"]
+    lines = [f"- {entry['text']}" for entry in entries]
+    return "\n\n" + "\n".join(lines) + "\n\n"
+
+
 # page -> {name of a mark: text between it and its end}
 MARKED: dict[str, dict[str, Callable[[], str]]] = {
     "README.md": {"accuracy": front_page},
-    "docs/accuracy.md": {"mesh errors": mesh_errors},
+    "docs/accuracy.md": {"mesh errors": mesh_errors, "quality checks": quality_checks},
+    "docs/from-other-codes.md": {"not here": not_here},
+    "docs/questions.md": {"doubtful results": doubtful_results},
     "docs/validation.md": {
         "two tests": two_tests,
         "tested ply": tested_ply,

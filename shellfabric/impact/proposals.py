@@ -16,7 +16,7 @@ from fabrics import metals
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane.indicator import Indicator
-from shellfabric.membrane.quality import REMEDIES
+from shellfabric.membrane.quality import CHECKS
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
 
@@ -62,6 +62,10 @@ PROPOSALS = {
     "incompressible cell": Proposal(
         'cell_model = "incompressible"', lambda setup: replace(setup, cell_model="incompressible")
     ),
+    "variational cell": Proposal(
+        'cell_formulation = "variational"',
+        lambda setup: replace(setup, cell_formulation="variational"),
+    ),
     "whole panel": Proposal('symmetry = "whole"', lambda setup: replace(setup, symmetry="whole")),
     "free edges": Proposal('boundary = "free"', lambda setup: replace(setup, boundary="free")),
 }
@@ -89,7 +93,7 @@ def with_remedies(indicators: Iterable[Indicator], setup: ImpactSetup) -> tuple[
     """Give the indicators beyond their limit what to do about it, of what the set-up takes."""
     found = []
     for one in indicators:
-        if one.doubtful and one.name in REMEDIES:
-            one = replace(one, remedy=fill(REMEDIES[one.name], setup))
+        if one.doubtful and one.name in CHECKS:
+            one = replace(one, remedy=fill(CHECKS[one.name].advice, setup))
         found.append(one)
     return tuple(found)

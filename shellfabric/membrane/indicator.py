@@ -1,16 +1,50 @@
-"""A quality indicator, one number with its limit, and the status of several; which there are is in
-`membrane.quality`. Nothing else is imported: every result of the application has indicators."""
+"""A quality check with its limit and what to do beyond it, an indicator, which is a check with a
+number, and the status of several. Checks of runs are in `membrane.quality`, those of studies beside
+what they judge. Nothing else is imported: every result of the application has indicators."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from typing import Any
 
 OK = "ok"
 NOTED = "noted"
 DOUBTFUL = "doubtful"
+
+
+@dataclass(frozen=True)
+class Check:
+    """A quality check, before there is a number.
+
+    Parameters
+    ----------
+    name, limit, meaning, note, unit : as of its Indicator
+    advice : what to do beyond the limit; in braces what a set-up has to take first
+        (`impact.proposals`)
+    """
+
+    name: str
+    limit: float
+    meaning: str
+    advice: str
+    note: float | None = None
+    unit: str = ""
+
+    def judge(self, value: float, meaning: str | None = None) -> Indicator:
+        """Return the Indicator of a value.
+
+        Parameters
+        ----------
+        meaning : what this value is, in place of the check's own words
+        """
+        if meaning is None:
+            meaning = self.meaning
+        found = Indicator(self.name, float(value), self.limit, self.unit, meaning, self.note)
+        if found.doubtful and "{" not in self.advice:
+            found = replace(found, remedy=self.advice)
+        return found
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 A `Monitor` samples of a run what its result does not keep; `of_solver` computes the indicators of a
 run. A run is "doubtful" if one of them is beyond its limit, and "noted" if one is beyond the lower
-value in NOTES. The limits follow from where the methods were found to fail
+value of its note. The limits follow from where the methods were found to fail
 (docs/reports/numerics.md) and, of the viscous energy, from experiments; docs/reports/numerics.md
 says how many of those points they flag, and how many scenes at default settings.
 """
@@ -18,7 +18,7 @@ import numpy as np
 from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import FloatArray
 from shellfabric.membrane import coarse_fabric, unzipping
-from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.indicator import Check, Indicator
 
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
@@ -32,234 +32,322 @@ ECHO_OF_A_BULLET = 0.5
 CUTS_WITHIN = 4.0
 LEAST_LOADED = 100  # crossings, of which a share says something
 
-# name: (limit, what the value is)
-LIMITS = {
-    "time step": (1.0, "time step over the stability limit of the explicit integration"),
-    "energy error": (0.005, "largest error of the energy balance over the strike energy"),
-    "yarn snap": (
+# what each check is, declared once: messages, results and pages (`tools/pages.py`) take it from here
+_CHECKS = (
+    Check(
+        "time step",
+        1.0,
+        "time step over the stability limit of the explicit integration",
+        "a smaller numerics.cfl",
+    ),
+    Check(
+        "energy error",
+        0.005,
+        "largest error of the energy balance over the strike energy",
+        "leave [numerics] out, and take smaller elements under the nose",
+    ),
+    Check(
+        "yarn snap",
         0.005,
         "energy that steps lose while yarns stiffen, over the strike energy",
+        "a smaller numerics.cfl",
     ),
-    "energy gained in contact": (
+    Check(
+        "energy gained in contact",
         0.008,
         "energy that contact forces created, over the strike energy",
+        "leave [numerics] out, and take smaller elements under the nose",
     ),
-    "viscous energy": (
+    Check(
+        "viscous energy",
         0.15,
         "energy dissipated by viscosity over the energy absorbed, until a yarn first fails",
+        "smaller elements under the nose; half of numerics.stretch_viscosity should not "
+        "change the outcome",
+        note=0.1,
     ),
-    "formulation energy": (
+    Check(
+        "formulation energy",
         0.1,
         "work of the cell's forces that no potential stores, over the energy absorbed",
+        "{variational cell}, whose forces have a potential",
     ),
-    "tension oscillation": (
+    Check(
+        "tension oscillation",
         0.07,
         "rms oscillation of the tension from node to node over the rms tension",
+        "leave [numerics] out, and take smaller elements under the nose",
     ),
-    "nose penetration": (
+    Check(
+        "nose penetration",
         1.8,
         "largest penetration of the projectile into the fabric over its edge radius",
+        "leave [numerics] out, and take a larger projectile.edge_radius or smaller "
+        "elements under the nose",
     ),
-    "contact point spacing": (
+    Check(
+        "contact point spacing",
         1.2,
         "spacing of the contact points over the projectile's edge radius",
+        "more numerics.contact_points, a larger projectile.edge_radius or smaller "
+        "elements under the nose",
     ),
-    "element side": (1.0, "longest element side over the projectile's radius"),
-    "element over failure length": (
+    Check(
+        "element side",
+        1.0,
+        "longest element side over the projectile's radius",
+        "smaller elements under the nose",
+    ),
+    Check(
+        "element over failure length",
         1.0,
         "if yarns fail: element side over the failure length",
+        "smaller elements under the nose",
+        note=0.5,
     ),
-    "path over fine mesh": (
+    Check(
+        "path over fine mesh",
         1.0,
-        "distance from the impact point to the furthest fabric under the projectile at the end, over the half width of "
-        "the fine mesh, beyond which fabric does not touch the projectile",
+        "distance from the impact point to the furthest fabric under the projectile at "
+        "the end, over the half width of the fine mesh, beyond which fabric does not "
+        "touch the projectile",
+        "a wider first zone of panel.grading",
     ),
-    "coarse fabric in the nose": (
+    Check(
+        "coarse fabric in the nose",
         0.1,
-        "deepest that fabric from beyond the fine mesh, which does not touch the projectile, has been in "
-        "it, over its radius",
+        "deepest that fabric from beyond the fine mesh, which does not touch the "
+        "projectile, has been in it, over its radius",
+        "a wider first zone of panel.grading",
     ),
-    "yarns an element": (1.0, "yarns per element side under the projectile"),
-    "tension over cell table": (
+    Check(
+        "yarns an element",
+        1.0,
+        "yarns per element side under the projectile",
+        "smaller elements under the nose",
+    ),
+    Check(
+        "tension over cell table",
         1.0,
         "peak tension over the largest tension tabulated for the unit cell",
+        "yarns that do not fail are stretched further than tabulated: let them fail, or "
+        "strike slower",
     ),
-    "tension over sampled surface": (
+    Check(
+        "tension over sampled surface",
         1.0,
         "peak tension over the largest tension sampled for the response surface",
+        "a surface that is sampled to larger tensions",
     ),
-    "contact force over fitted range": (
+    Check(
+        "contact force over fitted range",
         1.0,
         "force between yarns over the largest that the law was fitted to",
+        "compare with a run with {incompressible cell}, which the law tends to",
     ),
-    "swelling under contact": (
-        1e-3,
+    Check(
+        "swelling under contact",
+        0.001,
         "growth of a yarn's thickness under a light contact force over its thickness",
+        'a law of the form "regularised"',
     ),
-    "relaxation residual": (1.0, "out-of-balance force over the tolerance of the relaxation"),
-    "shear beyond locking": (
+    Check(
+        "relaxation residual",
+        1.0,
+        "out-of-balance force over the tolerance of the relaxation",
+        "more run.steps, or more run.max_iterations",
+    ),
+    Check(
+        "shear beyond locking",
         2.0,
         "shear angle over that at which the yarns lock, beyond which the law is an extrapolation",
+        "state that the law is extrapolated, or measure it to larger angles",
+        note=1.0,
     ),
-    "misfit of the law": (
+    Check(
+        "misfit of the law",
         0.1,
         "rms distance of the samples from the compression law over its greatest compression a",
+        "see whether the yarns are at closest packing (mesh), or take a response surface",
+        note=0.05,
     ),
-    "node alternation": (
+    Check(
+        "node alternation",
         0.01,
         "displacements that alternate from node to node over the yarn's thickness",
+        "a finer mesh",
     ),
-    "ply penetration": (
+    Check(
+        "ply penetration",
         0.75,
         "largest loaded penetration of a ply into the next over the ply's thickness",
+        "smaller elements under the nose; check panel.ply_gap",
     ),
-    "ply collisions": (
+    Check(
+        "ply collisions",
         0.1,
-        "energy of collisions of plies over the strike energy; it measures the mesh: smaller elements take less",
+        "energy of collisions of plies over the strike energy; it measures the mesh: "
+        "smaller elements take less",
+        "smaller elements under the nose",
+        note=0.05,
     ),
-    "jacket strain": (
+    Check(
+        "jacket strain",
         1.0,
-        "largest plastic strain of the projectile's jacket over that at which it would tear, which is not computed",
+        "largest plastic strain of the projectile's jacket over that at which it would "
+        "tear, which is not computed",
+        "state that the jacket may tear, and compare with a bullet without one",
     ),
-    "projectile hourglass": (
+    Check(
+        "projectile hourglass",
         0.01,
         "energy of the hourglass control of the projectile over the strike energy",
+        "a finer drawing of the projectile",
     ),
-    "slip at the rim": (
+    Check(
+        "slip at the rim",
         0.15,
         "slip of a whole resolved yarn beside the rim of its zone, in crossovers",
+        "more yarn would be drawn in: widen panel.zone",
     ),
-    "cut outside the zone": (
+    Check(
+        "cut outside the zone",
         0.2,
-        "share of the cut yarns that are whole in the zone of resolved yarns: beyond its rim yarns are pinned, "
-        "and a cut one hands its whole tension to the next at once",
+        "share of the cut yarns that are whole in the zone of resolved yarns: beyond its "
+        "rim yarns are pinned, and a cut one hands its whole tension to the next at once",
+        "resolve the whole panel: panel.zone of half the opening",
     ),
-    "yarns that changed sides": (
+    Check(
+        "yarns that changed sides",
         0.0,
-        "crossings of taut resolved yarns that have passed through each other, and carry no force any more",
+        "crossings of taut resolved yarns that have passed through each other, and carry "
+        "no force any more",
+        "a smaller numerics.cfl",
     ),
-    "cut after the echo of the frame": (
-        1.0,  # of a bullet of metal on a pack ECHO_OF_A_BULLET
-        "share of the yarns of a pack that were cut after the tension wave had come back from a clamped "
-        "edge: the outcome is that of this frame, not of a larger or a free pack",
+    Check(
+        "cut after the echo of the frame",
+        1.0,
+        "share of the yarns of a pack that were cut after the tension wave had come back "
+        "from a clamped edge: the outcome is that of this frame, not of a larger or a "
+        "free pack",
+        "the opening that would do, or {free edges}",
+        note=0.5,
     ),
-    "node ahead of the strike": (
+    Check(
+        "node ahead of the strike",
         2.0,
-        "fastest node of a ply of a pack before it tears, along the flight, over the strike velocity: an elastic "
-        "collision with the projectile leaves twice that at most",
+        "fastest node of a ply of a pack before it tears, along the flight, over the "
+        "strike velocity: an elastic collision with the projectile leaves twice that at "
+        "most",
+        "smaller elements under the nose",
     ),
-    "unzipping": (
+    Check(
+        "unzipping",
         1.5,
-        "pinned yarns unzip, since a cut one hands its whole tension to the next at once: cut yarns over those under "
-        "the nose, counted if over half of the loaded crossings would slip and viscosity took over 30 % afterwards",
+        "pinned yarns unzip, since a cut one hands its whole tension to the next at once: "
+        "cut yarns over those under the nose, counted if over half of the loaded "
+        "crossings would slip and viscosity took over 30 % afterwards",
+        "compare with {resolved yarns}",
     ),
-    "yarns past the next ply": (
+    Check(
+        "yarns past the next ply",
         0.01,
-        "nodes of resolved yarns that were half a thickness or more behind the next ply, at one time at most, "
-        "over the nodes of a ply's yarns; plies touch at the mean of warp and weft, single yarns may reach past",
+        "nodes of resolved yarns that were half a thickness or more behind the next ply, "
+        "at one time at most, over the nodes of a ply's yarns; plies touch at the mean of "
+        "warp and weft, single yarns may reach past",
+        "state it, and compare with a larger panel.ply_gap",
+        note=0.001,
     ),
-    "friction to hold yarns": (
-        friction_between_yarns().value,  # or that of the yarns
-        "highest friction between yarns that it may take to stop this projectile; with too little it pushes "
-        "them aside and passes",
+    Check(
+        "friction to hold yarns",
+        friction_between_yarns().value,
+        "highest friction between yarns that it may take to stop this projectile; with "
+        "too little it pushes them aside and passes",
+        "compare with {resolved yarns}",
+        note=0.15,
     ),
-    "motion at held faces": (
+    Check(
+        "motion at held faces",
         0.06,
-        "largest motion of a block a brick away from its held faces over the deepest dent: too small a "
-        "block holds the clay that a dent drives out",
+        "largest motion of a block a brick away from its held faces over the deepest "
+        "dent: too small a block holds the clay that a dent drives out",
+        "widen and deepen backing.size",
+        note=0.03,
     ),
-    "face under held fabric": (
+    Check(
+        "face under held fabric",
         0.5,
-        "share of the block's face under fabric that is held on all sides and keeps down the rim: the "
-        "dent closes again",
+        "share of the block's face under fabric that is held on all sides and keeps down "
+        "the rim: the dent closes again",
+        "widen backing.size, or take {free edges}",
     ),
-    "face across symmetry": (
+    Check(
+        "face across symmetry",
         0.05,
-        "furthest that a node of the block has come across a plane of symmetry, over the smallest brick",
+        "furthest that a node of the block has come across a plane of symmetry, over the "
+        "smallest brick",
+        "compare with {whole panel}",
     ),
-    "hourglass energy of the block": (
+    Check(
+        "hourglass energy of the block",
         0.1,
         "largest energy in the hourglass springs of the block over the energy that it has taken up",
+        "smaller backing.min_size",
+        note=0.07,
     ),
-    "folded bricks": (
+    Check(
+        "folded bricks",
         1.0,
-        "largest share of its part of a brick's volume that a corner of it has lost at the end: above 1 "
-        "it is turned inside out, and the brick is folded in an hourglass mode",
+        "largest share of its part of a brick's volume that a corner of it has lost at "
+        "the end: above 1 it is turned inside out, and the brick is folded in an "
+        "hourglass mode",
+        "smaller backing.min_size",
+        note=0.9,
     ),
-    "deepest node of the dent": (
+    Check(
+        "deepest node of the dent",
         1.3,
-        "depth of the deepest node of the face over that which a gauge of 5 mm in radius finds: a "
-        "single node is no dent",
+        "depth of the deepest node of the face over that which a gauge of 5 mm in radius "
+        "finds: a single node is no dent",
+        "smaller backing.min_size",
     ),
-    "brick on the dent's floor": (
+    Check(
+        "brick on the dent's floor",
         1.0,
         "longest brick on the floor of the dent over the dent's radius, both as they are",
+        "smaller backing.min_size",
+        note=0.5,
     ),
-    "change of the dent": (
+    Check(
+        "change of the dent",
         0.05,
-        "change of the dent in the time in which a shear wave crosses its radius, at the end of the "
-        "run, over its greatest depth",
+        "change of the dent in the time in which a shear wave crosses its radius, at the "
+        "end of the run, over its greatest depth",
+        "longer backing.after_stop and run.end_time",
+        note=0.02,
     ),
-    "springback of the dent": (
+    Check(
+        "springback of the dent",
         0.5,
-        "share of its greatest depth by which the dent has fallen at the end; what is left of a dent in clay stays",
+        "share of its greatest depth by which the dent has fallen at the end; what is "
+        "left of a dent in clay stays",
+        "see whether the block is too small, and whether its modulus is known",
+        note=0.1,
     ),
-    "dent back at the pack": (
+    Check(
+        "dent back at the pack",
         1.0,
-        "depth of the pack that the block has left behind over the least depth of the dent since: "
-        "above 1 they meet again",
+        "depth of the pack that the block has left behind over the least depth of the "
+        "dent since: above 1 they meet again",
+        "the dent at rest leaves out that they meet",
     ),
-}
-# name: value above which the indicator is noted
-NOTES = {
-    "yarns past the next ply": 1e-3,
-    "viscous energy": 0.1,
-    "cut after the echo of the frame": 0.5,
-    "element over failure length": 0.5,
-    "ply collisions": 0.05,
-    "shear beyond locking": 1.0,
-    "misfit of the law": 0.05,
-    "friction to hold yarns": 0.15,
-    "motion at held faces": 0.03,
-    "brick on the dent's floor": 0.5,
-    "folded bricks": 0.9,
-    "hourglass energy of the block": 0.07,
-    "change of the dent": 0.02,
-    "springback of the dent": 0.1,
-}
-
-
-REMEDIES = {
-    "misfit of the law": "see whether the yarns are at closest packing (mesh), or take a response surface",
-    "contact force over fitted range": "compare with a run with {incompressible cell}, which the law tends to",
-    "motion at held faces": "widen and deepen backing.size",
-    "face under held fabric": "widen backing.size, or take {free edges}",
-    "face across symmetry": "compare with {whole panel}",
-    "deepest node of the dent": "smaller backing.min_size",
-    "brick on the dent's floor": "smaller backing.min_size",
-    "hourglass energy of the block": "smaller backing.min_size",
-    "folded bricks": "smaller backing.min_size",
-    "change of the dent": "longer backing.after_stop and run.end_time",
-    "springback of the dent": "see whether the block is too small, and whether its modulus is known",
-    "dent back at the pack": "the dent at rest leaves out that they meet",
-    "slip at the rim": "more yarn would be drawn in: widen panel.zone",
-    "cut outside the zone": "resolve the whole panel: panel.zone of half the opening",
-    "node ahead of the strike": "smaller elements under the nose",
-    "yarns that changed sides": "a smaller numerics.cfl",
-    "friction to hold yarns": "compare with {resolved yarns}",
-    "unzipping": "compare with {resolved yarns}",
-}  # name: what to do beyond the limit, with proposals of `impact.proposals` in braces
+)
+CHECKS = {check.name: check for check in _CHECKS}
 
 
 def indicator(name: str, value: float) -> Indicator:
-    """Return the Indicator of LIMITS with a value."""
-    limit, meaning = LIMITS[name]
-    remedy = REMEDIES.get(name, "")
-    if "{" in remedy:
-        remedy = ""  # a set-up has to take it first
-    return Indicator(
-        name, float(value), limit, meaning=meaning, note=NOTES.get(name), remedy=remedy
-    )
+    """Return the Indicator of one of CHECKS with a value."""
+    return CHECKS[name].judge(value)
 
 
 def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[Indicator]:

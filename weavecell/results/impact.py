@@ -226,13 +226,13 @@ class ImpactRecord(ImpactData):
     def viscous_note(self) -> str:
         """That viscosity dissipated more in the whole run than the check allows until the first
         failure, or ""."""
-        from shellfabric.membrane.quality import LIMITS
+        from shellfabric.membrane.quality import CHECKS
 
         # a nose that hardly loses energy would make any share large
         share = float(self.energies["viscous"][-1]) / max(
             self.absorbed_energy, 1e-3 * self.strike_energy
         )
-        if not self.cut_yarns[-1] or share <= LIMITS["viscous energy"][0]:
+        if not self.cut_yarns[-1] or share <= CHECKS["viscous energy"].limit:
             return ""
         return f"viscosity took {100 * share:.0f} % of what the whole run absorbed; its check ends at the first failure"
 

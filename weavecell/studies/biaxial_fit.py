@@ -43,7 +43,7 @@ from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
 from shellfabric.cell.model import CellModel
-from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.indicator import Check, Indicator
 from weavecell.studies.biaxial_tests import DIRECTIONS, BiaxialTest
 from weavecell.studies.contact_share import judge_centreline
 
@@ -57,6 +57,26 @@ AGREES = 0.05
 DETERMINED = 0.25
 # [-] correlation of neighbouring residuals: that of noise is below this in 99 of 100 curves of 40
 ALIKE = 0.4
+WIDEST = Check(
+    "widest interval",
+    DETERMINED,
+    "half width of the 95 % interval of a constant over its value",
+    "a test at another ratio of strains determines more",
+)
+LIKENESS = Check(
+    "likeness of neighbouring residuals",
+    1.0,
+    "correlation of a residual with the next; of a cell that is unlike the cloth it is near 1, and "
+    "the intervals are too narrow",
+    "state that the intervals are too narrow, or try the other centreline",
+    note=ALIKE,
+)
+PREDICTION = Check(
+    "error of prediction",
+    AGREES,
+    "rms of the loads of a test that was not fitted over the greatest of all tests",
+    "fit that test too, or state the error",
+)
 # of the start of the fit: a over the heights, F0 over the strength of the weaker yarn
 FIRST_A = (0.08, 0.2, 0.4)
 FIRST_F0 = (1e-4, 1e-3, 1e-2, 1e-1)
@@ -222,35 +242,13 @@ class BiaxialFit:
             found.append(judge_centreline(self.model.fabric))
         widest = max((one for one in self.constants if not one.is_start), key=_spread, default=None)
         if widest is not None:
-            found.append(
-                Indicator(
-                    "widest interval",
-                    widest.spread,
-                    DETERMINED,
-                    meaning=f"half width of the 95 % interval of {widest.name} over its value",
-                    remedy="a test at another ratio of strains determines more",
-                )
-            )
-        found.append(
-            Indicator(
-                "likeness of neighbouring residuals",
-                max(_likeness(one.residual) for one in self.fitted),
-                1.0,
-                meaning="correlation of a residual with the next; of a cell that is unlike the cloth "
-                "it is near 1, and the intervals are too narrow",
-                note=ALIKE,
-            )
-        )
+            meaning = f"half width of the 95 % interval of {widest.name} over its value"
+            found.append(WIDEST.judge(widest.spread, meaning))
+        found.append(LIKENESS.judge(max(_likeness(one.residual) for one in self.fitted)))
         if self.predicted:
             worst = max(self.predicted, key=lambda one: np.nanmax(one.shares))
-            found.append(
-                Indicator(
-                    "error of prediction",
-                    float(np.nanmax(worst.shares)),
-                    AGREES,
-                    meaning=f"rms of the loads of test {worst.name} over the greatest of all tests",
-                )
-            )
+            meaning = f"rms of the loads of test {worst.name} over the greatest of all tests"
+            found.append(PREDICTION.judge(float(np.nanmax(worst.shares)), meaning))
         return tuple(found)
 
 

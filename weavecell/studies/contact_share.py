@@ -11,13 +11,21 @@ from __future__ import annotations
 from math import pi
 
 from fabrics.fabric import Fabric
-from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.indicator import Check, Indicator
 
 # [-] fibre fraction of a yarn in a fabric; the thesis's are 0.62 and 0.70 (Table 3-2)
 PACKED = 0.65
 # [-] share below which the straight yarns of Kawabata are nearer than the cosine: where a yarn is
 # free over half of its length
 LEAST = 0.5
+WITHOUT_CONTACT = Check(
+    "length without contact",
+    1.0,
+    "share of the length of a yarn that touches no crossing yarn; the cosine is that of yarns in "
+    "contact all along",
+    "straight centrelines are nearer to such a weave",
+    note=1 - LEAST,
+)
 
 
 def estimate_widths(fabric: Fabric) -> tuple[float, float]:
@@ -55,12 +63,5 @@ def judge_centreline(fabric: Fabric) -> Indicator:
     half of its length."""
     shares = find_contact_shares(fabric)
     family = ("warp", "weft")[int(shares[1] < shares[0])]
-    return Indicator(
-        "length without contact",
-        1 - min(shares),
-        1.0,
-        meaning=f"share of the length of a {family} yarn that touches no crossing yarn; the cosine is "
-        "that of yarns in contact all along",
-        note=1 - LEAST,
-        remedy="straight centrelines are nearer to such a weave",
-    )
+    meaning = WITHOUT_CONTACT.meaning.replace("a yarn", f"a {family} yarn", 1)
+    return WITHOUT_CONTACT.judge(1 - min(shares), meaning)

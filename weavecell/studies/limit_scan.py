@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from fabrics.base.checks import refuse
-from shellfabric.membrane.indicator import Indicator
+from shellfabric.membrane.indicator import Check, Indicator
 from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
 from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot, shoot
@@ -30,6 +30,13 @@ BESIDE = 0.02, 0.08
 LOOK = 0.03
 # a range with more steps is a slip of the input
 MOST_STEPS = 1000
+MIXED = Check(
+    "mixed outcomes",
+    0.0,
+    "highest strike velocity that is stopped less the lowest that perforates, where it is positive",
+    "state the zone, or V50 of yarns that scatter",
+    unit="m/s",
+)
 
 
 @dataclass(frozen=True)
@@ -150,5 +157,4 @@ def indicator(limit: Limit) -> Indicator:
     """Return the quality indicator: width [m/s] of the zone of mixed outcomes, 0 if there is a
     single limit."""
     low, high = limit.mixed_zone or (0.0, 0.0)
-    meaning = "highest strike velocity that is stopped less the lowest that perforates, where it is positive"
-    return Indicator("mixed outcomes", high - low, 0.0, "m/s", meaning)
+    return MIXED.judge(high - low)

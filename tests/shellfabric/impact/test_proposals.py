@@ -10,7 +10,7 @@ from fabrics import catalogue
 from fabrics.base.errors import InputError
 from shellfabric.impact import proposals
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.membrane.quality import REMEDIES, indicator
+from shellfabric.membrane.quality import CHECKS, indicator
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
 
@@ -39,7 +39,11 @@ SETUPS = {
 }
 MESSAGES = {
     text: [name for _, name, _, _ in Formatter().parse(text) if name]
-    for text in (*REMEDIES.values(), "use {body of metal}", "{resolved yarns}")
+    for text in (
+        *(check.advice for check in CHECKS.values()),
+        "use {body of metal}",
+        "{resolved yarns}",
+    )
 }
 REFUSED = {
     ("bullet", "resolved yarns"),

@@ -97,7 +97,7 @@ def test_the_friction_that_holds_yarns_by_nose_and_ply():
 def test_the_checks_of_pinned_yarns_assume_the_friction_of_resolved_ones():
     """Pinned ones of each fibre family, one that is given, and resolved ones without a fabric."""
     usual = friction_between_yarns()
-    assert YarnZone().friction == quality.LIMITS["friction to hold yarns"][0] == usual.value
+    assert YarnZone().friction == quality.CHECKS["friction to hold yarns"].limit == usual.value
     assert YarnZone().friction_range == (usual.low, usual.high)
     assert YarnZone(friction=usual.value).friction_range == ()
     slippery = replace(catalogue.load("S-728"), family="UHMWPE")

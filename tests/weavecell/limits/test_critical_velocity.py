@@ -164,7 +164,9 @@ def test_a_zone_of_mixed_outcomes_is_doubtful(mixed):
     low, high = summary["mixed_zone_m_s"]
     assert summary["checks"]["status"] == "doubtful"
     assert f"no single critical velocity, mixed outcomes from {low:.1f} to {high:.1f} m/s" in out
-    assert f"checks: doubtful: mixed outcomes {high - low:.2f} m/s (limit 0 m/s)" in out
+    assert (
+        f"checks: doubtful: mixed outcomes {high - low:.2f} m/s (limit 0 m/s; state the zone" in out
+    )
 
 
 def test_a_doubtful_zone_is_an_error_that_leaves_all_files_if_that_is_wanted(mixed):

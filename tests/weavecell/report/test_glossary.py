@@ -2,13 +2,13 @@
 place of a report."""
 
 import re
+from dataclasses import replace
 from html import escape, unescape
 
 import pytest
 
 from fabrics import assumed, catalogue
-from shellfabric.membrane.indicator import Indicator
-from shellfabric.membrane.quality import LIMITS
+from shellfabric.membrane.quality import CHECKS
 from weavecell.report.page import Card, Figure, Report, Section, Table, render
 from weavecell.report.shot.chapters_shot import OF_A_DESIGNER
 from weavecell.results import glossary, keys
@@ -81,8 +81,8 @@ def labels():
         yield from (key.label for key in table)
         yield from (key.meaning for key in table)
     yield from OF_A_DESIGNER.values()
-    for name, (_, meaning) in LIMITS.items():
-        yield from (name, meaning)
+    for check in CHECKS.values():
+        yield from (check.name, check.meaning, check.advice)
     for name in ("S-720", "S-728", "S-731"):
         yield from assumed.lines(catalogue.load(name))
 
@@ -106,8 +106,8 @@ def test_labels_with_jargon_have_its_explanation(word):
 
 def test_terminal_has_a_line_for_each_word_and_each_check():
     checks = [
-        Indicator(name, factor * (limit or 1.0), limit, meaning=meaning)
-        for (name, (limit, meaning)), factor in zip(LIMITS.items(), [0.5, 2.0] * len(LIMITS))
+        replace(check.judge(factor * (check.limit or 1.0)), note=None)
+        for check, factor in zip(CHECKS.values(), [0.5, 2.0] * len(CHECKS))
     ]
     text = "; ".join(("windowing", "Failure length 3 mm", *map(str, checks)))
     lines = glossary.lines(text, checks)
