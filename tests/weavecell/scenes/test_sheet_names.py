@@ -48,7 +48,8 @@ def test_a_number_alone_has_the_unit_behind_its_name(name, tmp_path):
     rows = {
         name if key == "areal_density" else key: cells or ("190", "") for key, cells in rows.items()
     }
-    value = fabric_file.read_values(sheet(tmp_path, rows))["areal_density"]
+    values, _ = fabric_file.read_values(sheet(tmp_path, rows))
+    value = values["areal_density"]
     assert value.warp.replace("²", "2").replace("^", "") == "190 g/m2"
 
 
