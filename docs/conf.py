@@ -65,6 +65,15 @@ def show_directives(app, docname, source):
     )
 
 
+def lead_to_copies(app, docname, source):
+    """Links to pages outside docs lead to the site's copies of these."""
+    import reference_pages
+
+    if "validation/reports/" in source[0]:
+        folder = (HERE / docname).parent
+        source[0] = reference_pages.with_links(source[0], folder, folder)
+
+
 def escape_stars(app, what, name, thing, options, lines):
     """A pattern such as *.csv in a docstring is no emphasis."""
     lines[:] = [re.sub(r"(?<!`)\*\.", r"\\*.", line) for line in lines]
@@ -77,5 +86,6 @@ def setup(app):
 
     app.add_lexer("csv", TextLexer)  # of the pages' data, which Pygments does not know
     app.connect("source-read", show_directives)
+    app.connect("source-read", lead_to_copies)
     app.connect("autodoc-process-docstring", escape_stars)
     app.connect("builder-inited", lambda _: reference_pages.write(HERE / "generated"))

@@ -11,7 +11,7 @@ from validation.study import read
 DATA = Path(__file__).parents[1] / "docs" / "reports" / "data" / "errata.csv"
 HEAD = """# Errata of the thesis, in full
 
-[Errata](../../reports/errata.md) has the short list and the meaning of the grades. "Inferred" means that a correction
+[Errata](thesis/errata.md) has the short list and the meaning of the grades. "Inferred" means that a correction
 reproduces other printed numbers, but the thesis does not say it."""
 
 

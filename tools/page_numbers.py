@@ -19,10 +19,15 @@ from __future__ import annotations
 import argparse
 import csv
 import re
+import sys
 from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+
+import page_values  # noqa: E402
+
 NUMBER = r"(?<![\w.,/#-])[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?(?![\w]*[A-Za-z]\d|[\d])"
 TOKEN = re.compile(
     rf"(?P<n>{NUMBER})(?P<u>\s?(?:%|°|µs|us|ns|ms|s|mm|m/s|m²|kg/m³|g/m²|µm|um|m|N|J|GPa|MPa|Pa|kg|g|times|plies|dtex|den)(?![\w/²]))?"
@@ -151,16 +156,10 @@ INPUTS = inputs()
 ALLOWED = ROOT / "docs" / "numbers.csv"
 
 
-def pages():
-    """List the pages that are written by hand."""
-    every = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-    return [page for page in every if not {"generated", "figures"} & {*page.parts}]
-
-
 def counted():
     """Count the results by hand of each page that has any: {page: number}."""
     found = {}
-    for page in pages():
+    for page in page_values.written():
         kinds = Counter(kind for kind, *_ in of_page(page))
         results = kinds["table"] + kinds["prose"]
         if results:

@@ -120,11 +120,16 @@ def chosen_rows(file: str, where: str) -> list[dict[str, str]]:
     return found
 
 
+def written() -> list[Path]:
+    """List the pages that are written by hand."""
+    places = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    places += sorted((ROOT / "validation" / "reports").glob("*.md"))
+    return [path for path in places if "generated" not in path.parts]
+
+
 def pages() -> list[str]:
     """List the pages with marks."""
-    places = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    mark = re.compile(r"<!-- (= |rows )")
     return [
-        str(path.relative_to(ROOT))
-        for path in places
-        if "generated" not in path.parts and re.search(r"<!-- (= |rows )", path.read_text("utf-8"))
+        str(path.relative_to(ROOT)) for path in written() if mark.search(path.read_text("utf-8"))
     ]

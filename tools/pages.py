@@ -106,7 +106,7 @@ def measured(row: dict[str, str], quantity: str) -> tuple[float, float]:
 def mesh_errors() -> str:
     """Tabulate what plies and packs on the default mesh differ by from elements half as long, in
     %."""
-    rows = [["target", *QUANTITIES.values()]]
+    rows = [["fabric", *QUANTITIES.values()]]
     for (plies, fabric), quantities in deviations().items():
         cells = []
         for deviation in quantities:
@@ -331,7 +331,7 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
         "claims": claims_page.in_words,
     },
     "docs/reports/material-tests.md": {"compression laws": compression_laws},
-    "docs/reports/claims.md": {
+    "validation/reports/claims.md": {
         "how they were made": claims_page.made,
         "verdicts": claims_page.verdicts,
         "missed claims": claims_page.missed,

@@ -8,18 +8,23 @@ coupon.schema.json are JSON Schemas of the input files, for editors.
 Made with the site alone, in the folder `site`: results.md has every key of result files, files.md tables of output and
 data files; cli.md has every command with its arguments, options and defaults, as
 `weavecell COMMAND --help`; python.md the functions and results of the Python interface, as `help(wc.impact)`; errata.md
-the errata of the thesis, architecture.md the layers and folders, kernel-arrays.md what kernels take.
+the errata of the thesis, architecture.md the layers and folders, kernel-arrays.md what kernels take; `thesis` has
+copies of the pages in validation/reports.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs" / "generated"
+# pages on the thesis stand beside the code that judges it; the site has copies
+THESIS = ROOT / "validation" / "reports"
+COPIES = FOLDER / "site" / "thesis"
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import architecture  # noqa: E402
@@ -144,9 +149,33 @@ def kept_pages():
     return texts
 
 
+def with_links(text, folder, place):
+    """Return a page of a folder as it stands in another place: with links that lead from there, those to
+    pages on the thesis to the site's copies."""
+
+    def led(link):
+        path, mark, anchor = link[1].partition("#")
+        if not path or ":" in path:
+            return link[0]
+        file = Path(os.path.normpath(folder / path))
+        if file.parent == THESIS and file.suffix == ".md":
+            file = COPIES / file.name
+        return f"]({os.path.relpath(file, place)}{mark}{anchor})"
+
+    return re.sub(r"\]\(([^)\s]+)\)", led, text)
+
+
+def thesis_pages():
+    """Write the site's copies of the pages on the thesis: {name: text}."""
+    return {
+        f"site/thesis/{page.name}": with_links(page.read_text("utf-8"), THESIS, COPIES)
+        for page in sorted(THESIS.glob("*.md"))
+    }
+
+
 def site_pages():
     """Write the pages that the site alone has: {name: text}."""
-    return {
+    return thesis_pages() | {
         "site/results.md": keys_page.results_page(),
         "site/files.md": file_formats.page().replace("](../", "](../../"),
         "site/cli.md": cli(),

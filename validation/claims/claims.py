@@ -116,7 +116,7 @@ class Claim:
     double : id of the claim that makes the same statement on the same numbers, and is counted
     reason : of the tolerances
     slow : takes minutes: left out but for --slow
-    erratum : entry of docs/reports/errata.md that bears on it, or ""
+    erratum : entry of validation/reports/errata.md that bears on it, or ""
     against : the conditions are evidence that the thesis is wrong; says what is
     data : they repeat input data, or a closed form on which no code of the product depends; says which
     incomparable : the thesis's statement and the computed quantity are not comparable; says why

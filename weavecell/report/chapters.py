@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base.counted import counted
 from fabrics.base.units import FACTORS
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
@@ -208,7 +209,7 @@ def sources(*fabrics: Fabric) -> Section:
         "sources",
         "Where each number comes from",
         "Every input of the fabric as it stands in its data file. The thesis is the PhD thesis whose model is "
-        "implemented; tables and equations have its numbers, and E-nn are its errata (docs/reports/errata.md).",
+        "implemented; tables and equations have its numbers, and E-nn are its errata (validation/reports/errata.md).",
         tables=tuple(tables),
     )
 
@@ -236,9 +237,9 @@ def describe_shot(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = F
     """Say in a sentence what is shot at, how it is held, what is behind it, and the projectile."""
     plies = f"One ply of {setup.name}"
     if setup.plies > 1 and setup.lay_up:
-        plies = f"{setup.plies} plies: {setup.name}"
+        plies = f"{counted(setup.plies, 'ply')}: {setup.name}"
     elif setup.plies > 1:
-        plies = f"{setup.plies} plies of {setup.name}, {setup.stacking}"
+        plies = f"{counted(setup.plies, 'ply')} of {setup.name}, {setup.stacking}"
     if scene is None:
         return f"{plies}."
     sentence = f"{plies}, {words.panel_in_words(scene.panel)}"
