@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.files import read_json, write_whole
+from fabrics.base.files import write_whole
+from fabrics.base.read_formats import read_json
 
 FORMAT = "weavecell compression law 1"
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.files import write_hdf5
+from fabrics.base.read_formats import read_hdf5
 
 _UNITS = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "h1": "m", "h2": "m"}
 _FORMAT = "weavecell response surface 1"

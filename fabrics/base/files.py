@@ -2,7 +2,7 @@
 with a format.
 
 Every HDF5 file of the project has the attribute "format" with its kind and version, which is
-compared when it is read.
+compared when it is read (`fabrics.base.read_formats`).
 
 Texts of a user are UTF-8, with or without a byte order mark, or UTF-16 with one; lines end as on
 any system. Tables of numbers are those of `fabrics.base.tables`.
@@ -11,7 +11,6 @@ any system. Tables of numbers are those of `fabrics.base.tables`.
 from __future__ import annotations
 
 import codecs
-import json
 import os
 import re
 import tempfile
@@ -24,7 +23,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, WeavecellError
+from fabrics.base.errors import InputError
 
 # [bytes] this much must still fit on the disk behind a file that a library has written
 ROOM = 65536
@@ -179,92 +178,6 @@ def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
         yield file
     with write_whole(path, "wb") as on_disk:
         on_disk.write(content.getbuffer())
-
-
-@contextmanager
-def read_hdf5(path: FilePath, *formats: str, what: str = "HDF5 file") -> Iterator[Any]:
-    """Open an HDF5 file for reading; needs h5py.
-
-    Parameters
-    ----------
-    formats : kind and version of the file, as in `write_hdf5`; one of these
-    what : the file in words, for the message
-
-    Raises
-    ------
-    InputError : no such file, not HDF5, another format, or without an entry that the block reads
-    """
-    import h5py
-
-    note_read(path)
-    try:
-        # a file is whole when it appears, and some network drives have no locks
-        with h5py.File(path, "r", locking=False) as file:
-            stated = file.attrs.get("format", "")
-            if stated not in formats:
-                raise InputError(
-                    file=path, key="format", value=stated, allowed=" or ".join(map(repr, formats))
-                )
-            yield file
-    except WeavecellError:
-        raise
-    # h5py and the readers of what it holds raise many types for bytes that are damaged
-    except (
-        ArithmeticError,
-        AttributeError,
-        EOFError,
-        LookupError,
-        MemoryError,
-        OSError,
-    ) as problem:
-        raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
-    except (RecursionError, RuntimeError, TypeError, ValueError) as problem:
-        raise InputError(f"is not a readable {what} ({problem})", file=path) from problem
-
-
-def format_of_hdf5(path: FilePath) -> str:
-    """Return the format that an HDF5 file states; "" without one. Needs h5py.
-
-    Raises
-    ------
-    InputError : no such file, or not HDF5
-    """
-    import h5py
-
-    note_read(path)
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            return str(file.attrs.get("format", ""))
-    except (OSError, RuntimeError, LookupError, ValueError) as problem:
-        raise InputError(f"is not a readable HDF5 file ({problem})", file=path) from problem
-
-
-def read_json(path: FilePath, format: str, *, what: str) -> dict[str, Any]:
-    """Read a JSON file of this project.
-
-    Parameters
-    ----------
-    format : kind and version of the file, its entry "format"
-    what : the file in words, for the message
-
-    Raises
-    ------
-    InputError : no such file, not JSON, or another format
-    """
-    try:
-        content = json.loads(read_bytes(path).decode("utf-8-sig"))
-    except OSError as problem:
-        raise InputError(
-            "cannot be read", file=path, allowed=f"{what} ({problem.strerror})"
-        ) from problem
-    except (ValueError, RecursionError) as problem:
-        raise InputError("is not JSON", file=path, allowed=f"{what} ({problem})") from problem
-    stated = None
-    if isinstance(content, dict):
-        stated = content.get("format")
-    if stated != format:
-        raise InputError(file=path, key="format", value=stated, allowed=repr(format))
-    return content
 
 
 def parse_toml(text: str) -> dict[str, Any]:

@@ -12,7 +12,8 @@ import numpy as np
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.extras import explain_missing
-from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.files import write_hdf5
+from fabrics.base.read_formats import read_hdf5
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -16,7 +16,8 @@ import numpy as np
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
-from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.files import write_hdf5
+from fabrics.base.read_formats import read_hdf5
 from shellfabric.jit.table import Row
 from shellfabric.loop.hooks import Every
 from shellfabric.loop.snapshots import Snapshot

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fabrics.base import files, tables
+from fabrics.base import files, read_formats, tables
 from fabrics.base.errors import InputError
 from fabrics.base.schema import read_toml
 
@@ -103,6 +103,6 @@ def test_what_is_no_finite_number_is_named_with_its_line(tmp_path, column, bad):
 def test_an_hdf5_file_in_memory_is_the_file_on_disk(tmp_path):
     with files.write_hdf5(tmp_path / "a.h5", "test 1", note="µ") as file:
         file["group/a"] = np.arange(5.0)
-    with files.read_hdf5(tmp_path / "a.h5", "test 1") as file:
+    with read_formats.read_hdf5(tmp_path / "a.h5", "test 1") as file:
         assert file.attrs["note"] == "µ"
         assert list(file["group/a"]) == [0, 1, 2, 3, 4]

@@ -19,7 +19,7 @@ import pytest
 
 import weavecell as wc
 from fabrics import catalogue
-from fabrics.base import executors, files
+from fabrics.base import executors, files, read_formats
 from fabrics.base.errors import InputError, WeavecellError
 from tests.scene_text import impact_scene
 from weavecell.api.lists import format_for_terminal
@@ -135,7 +135,7 @@ def test_toml_that_no_table_can_be_made_of(command, tmp_path, text, words):
 def test_json_and_hdf5_that_cannot_be_read(tmp_path):
     (tmp_path / "law.json").write_text("[" * 100_000)
     with pytest.raises(InputError, match="is not JSON"):
-        files.read_json(tmp_path / "law.json", "any", what="a law")
+        read_formats.read_json(tmp_path / "law.json", "any", what="a law")
     path = tmp_path / "a.h5"
     with files.write_hdf5(path, "kind 1") as file:
         file["x"] = np.arange(2000.0)
@@ -145,7 +145,7 @@ def test_json_and_hdf5_that_cannot_be_read(tmp_path):
     for _ in range(COUNT):
         path.write_bytes(damaged(content, random))
         # whatever else h5py raises
-        with suppress(InputError), files.read_hdf5(path, "kind 1") as file:
+        with suppress(InputError), read_formats.read_hdf5(path, "kind 1") as file:
             assert file["x"][()].size
 
 
@@ -310,7 +310,7 @@ def test_a_file_is_read_although_another_holds_its_lock(tmp_path):
         fcntl.flock(held, fcntl.LOCK_EX)
         with pytest.raises(OSError, match="unable to lock file"):
             h5py.File(path, "r")
-        with files.read_hdf5(path, "kind 1") as file:
+        with read_formats.read_hdf5(path, "kind 1") as file:
             assert list(file["x"]) == [0.0, 1.0, 2.0]
 
 

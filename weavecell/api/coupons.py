@@ -33,6 +33,7 @@ import numpy as np
 from fabrics import assumed
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts, nearest, unknown_name
 from fabrics.base.frozen import explain_frozen
@@ -44,10 +45,11 @@ from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
+from weavecell.api.saved import SavedResult
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
-from weavecell.results import display, keys, out_folder, progress, run_folder
+from weavecell.results import display, keys, out_folder, progress, result_folder, run_folder
 from weavecell.results.finding import Finding
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes
@@ -82,7 +84,7 @@ class CouponPlan(Plan["CouponResult | PullOutResult"]):
     text, file : of the input; "" and None of a fabric with keywords
     """
 
-    files = (*NAMES, out_folder.CHECKPOINTS)
+    files = (*NAMES, run_folder.CHECKPOINTS)
     runs = ""
 
     case: Case
@@ -101,8 +103,9 @@ class CouponPlan(Plan["CouponResult | PullOutResult"]):
         return run_cache.key((self.text, case.fabric, case.laws, case.scene.model_dump()), *_CODE)
 
     def finished(self, folder: Path) -> Any:
-        """Return the `run_folder.Finished` of this very test that a folder holds; None without."""
-        return run_folder.find_finished(folder, NAMES, self.key())
+        """Return what `load` returns of a folder that holds this very test; None of another."""
+        found = result_folder.find_whole(folder, NAMES, self.key())
+        return found and SavedResult.read(found, result_folder.SUMMARY)
 
     @contextmanager
     def name_problems(self) -> Iterator[None]:
@@ -119,9 +122,9 @@ class CouponPlan(Plan["CouponResult | PullOutResult"]):
     def forecast(self) -> WorkSize:
         """Count the load steps."""
         scene = self.case.scene
-        amounts = {"load steps": scene.run.steps}
+        amounts = {"load step": scene.run.steps}
         if scene.test == "pull_out":
-            amounts = {"yarns crossed": scene.pull_out.crossings}
+            amounts = {"crossed yarn": scene.pull_out.crossings}
         _table(self.case)
         return WorkSize(_title(self.case), amounts, tuple(assumed.lines(self.case.fabric)))
 
@@ -173,8 +176,8 @@ def coupon(
 
     Returns
     -------
-    CouponResult; of a pull-out PullOutResult; where the folder holds the results of this very run
-    `run_folder.Finished`
+    CouponResult; of a pull-out PullOutResult; with `resume`, where the folder holds the results of
+    this very run, nothing is computed: the SavedResult of `load`, which has numbers and table
 
     Raises
     ------
@@ -268,15 +271,15 @@ def _relax(case, text, checkpoint, resume):
     )
     states = []
     if resume and checkpoint and checkpoint.exists():
-        states = coupon_results.read_states(checkpoint, stamp)
+        states = run_folder.read_states(checkpoint, stamp)
     failure = None
     with progress.bar(_title(case)) as advance:
 
         def keep(state):
             states.append(state)
             if checkpoint is not None:
-                coupon_results.write_states(checkpoint, stamp, states)
-            advance(state.load, f"{state.iterations} iterations")
+                run_folder.write_states(checkpoint, stamp, states)
+            advance(state.load, counted(state.iterations, "iteration"))
 
         try:
             relax = getattr(quasistatic, scene.test)
@@ -404,8 +407,8 @@ class CouponResult(Result):
             )
         lines += self._list_assumed_laws()
         lines.append(
-            f"{facts['elements']} elements, {facts['iterations']} iterations, residual {facts['residual_max']:.1e} at "
-            f"most, {facts['wall_time_s']:.1f} s"
+            f"{counted(facts['elements'], 'element')}, {counted(facts['iterations'], 'iteration')}, "
+            f"residual {facts['residual_max']:.1e} at most, {facts['wall_time_s']:.1f} s"
         )
         return lines
 
@@ -416,8 +419,8 @@ class CouponResult(Result):
             return []
         steps = ", ".join(map(str, 1 + np.flatnonzero(slack)))
         return [
-            f"unloaded in {slack.sum()} of {slack.size} load steps ({steps}): the yarns are slack, and what is "
-            "measured there is noise"
+            f"unloaded in {slack.sum()} of {counted(slack.size, 'load step')} ({steps}): the yarns are "
+            "slack, and what is measured there is noise"
         ]
 
     def _flag(self, name):
@@ -431,8 +434,9 @@ class CouponResult(Result):
         facts = self.record.facts
         tolerance = self.case.scene.run.tolerance
         return (
-            f"A coupon of {facts['fabric']}, {facts['elements']} elements, in {facts['steps']} load steps, each "
-            f"relaxed to {tolerance:g} of the reaction. {'. '.join(self._list_assumed_laws())}"
+            f"A coupon of {facts['fabric']}, {counted(facts['elements'], 'element')}, in "
+            f"{counted(facts['steps'], 'load step')}, each relaxed to {tolerance:g} of the reaction. "
+            f"{'. '.join(self._list_assumed_laws())}"
         )
 
     def table(self) -> DataFrame:
@@ -521,12 +525,12 @@ class CouponResult(Result):
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but the checkpoint."""
         from weavecell.report import checks, page
-        from weavecell.results import json_file, provenance, result_folder
+        from weavecell.results import input_copies, json_file, provenance
 
         folder = Path(out)
         stamp = provenance.stamp(self.text, self.case.fabric)
         # paths of a coupon are those that were read
-        result_folder.keep_input(folder, self.text, self.case.scene, Path())
+        input_copies.keep_input(folder, self.text, self.case.scene, Path())
         files.write(folder / "coupon.csv", self.to_csv())
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed() | {"provenance": stamp}

@@ -128,6 +128,21 @@ class SavedResult(Result):
         return KINDS[self.name].table
 
     @property
+    def read_from(self) -> Path:
+        """The folder that was opened."""
+        return self.folder
+
+    @property
+    def title(self) -> str:
+        """What the result is called."""
+        return self.content.get("title", self.folder.name)
+
+    @property
+    def outcome(self) -> str:
+        """How a test ended; "" of a result without an outcome."""
+        return self.content.get("outcome", "")
+
+    @property
     def report(self) -> Path | None:
         """The page of the result, None without one."""
         page = self.folder / "report.html"

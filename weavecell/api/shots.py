@@ -34,6 +34,7 @@ import numpy as np
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
@@ -98,7 +99,7 @@ class ShotPlan(Plan["ShotResult"]):
     written : whether files and pictures are made, which take memory
     """
 
-    files = (*NAMES, out_folder.CHECKPOINTS)
+    files = (*NAMES, run_folder.CHECKPOINTS)
     runs = ""
 
     target: Target
@@ -127,9 +128,12 @@ class ShotPlan(Plan["ShotResult"]):
 
     def finished(self, folder: Path) -> ShotResult | None:
         """Return the result of this very shot that a folder holds; None without."""
-        if run_folder.find_finished(folder, NAMES, self.key()) is None:
+        from weavecell.results import result_folder
+
+        found = result_folder.find_whole(folder, NAMES, self.key())
+        if found is None:
             return None
-        return ShotResult.read_folder(folder, self.target)
+        return ShotResult.of_folder(found, self.target)
 
     def forecast(self) -> RunSize:
         """Forecast elements, steps, memory and CPU time of one shot, and name what is assumed."""
@@ -162,7 +166,7 @@ class ShotPlan(Plan["ShotResult"]):
         """Write the result; only then its checkpoints and finished shots are no longer needed."""
         with progress.bar("Writing results"):
             result.save(folder)
-        for checkpoint in run_folder.checkpoints(folder):
+        for checkpoint in run_folder.list_checkpoints(folder):
             checkpoint.unlink()
         for name in (WINDOW, RANGE):
             run_cache.RunCache(folder / name).clear()
@@ -172,7 +176,7 @@ class ShotPlan(Plan["ShotResult"]):
         if not isinstance(problem, KeyboardInterrupt):
             return
         message = "interrupted"
-        if running.folder is not None and run_folder.checkpoints(running.folder):
+        if running.folder is not None and run_folder.list_checkpoints(running.folder):
             message += f"; {option('resume')} goes on from its last checkpoint"
         raise run_folder.Interrupted(message) from None
 
@@ -220,7 +224,7 @@ def impact(
     -------
     ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful`
     and warns with `DoubtfulResult`. Where the folder to `resume` from holds the results of this very
-    run, nothing is run: the ShotResult is read from it (`ShotResult.read_folder`)
+    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`)
 
     Raises
     ------
@@ -506,23 +510,16 @@ class ShotResult(ImpactRecord, Result):
     kind = "impact"
 
     @classmethod
-    def read_folder(cls, folder: Path, target: Target) -> ShotResult:
-        """Read the result of a finished run at a target from its folder.
+    def of_folder(cls, found: ResultFolder, target: Target) -> ShotResult:
+        """Read the result of a finished run at a target from its opened folder.
 
         It has scalars, histories, cuts and the shapes at the end; the shapes of the other instants
         are in panel.pvd, and range, meshes and window of its options in summary.json.
 
         Raises
         ------
-        InputError : no histories.h5 of an impact, or files that were changed
+        InputError : no histories.h5 of an impact
         """
-        from weavecell.results.result_folder import open_folder
-
-        return cls.of_folder(open_folder(folder), target)
-
-    @classmethod
-    def of_folder(cls, found: ResultFolder, target: Target) -> ShotResult:
-        """Read the result of a finished run at a target from its opened folder, as `read_folder`."""
         result = replace(
             cast(ShotResult, found.read_impact(cls)),
             fabric=target.setup.fabric,
@@ -583,7 +580,7 @@ class ShotResult(ImpactRecord, Result):
         laws = self._list_assumed_laws()
         more = ""
         if laws:
-            more = f", assumed: {len(laws)} laws"
+            more = f", assumed: {counted(len(laws), 'law')}"
         velocity = f"residual velocity {self.residual_velocity:.4g} m/s"
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 

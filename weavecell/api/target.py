@@ -105,13 +105,13 @@ class Target:
 
     def keep_input(self, folder: Path) -> None:
         """Write the input file to a folder of results, with copies of the files that it names."""
-        from weavecell.results import result_folder
+        from weavecell.results import input_copies
 
         base = Path.cwd()
         if self.from_file:
             base = Path(self.name).parent
         if self.case is not None:
-            result_folder.keep_input(folder, self.text, self.case.scene, base)
+            input_copies.keep_input(folder, self.text, self.case.scene, base)
 
     @contextmanager
     def name_problems(self) -> Iterator[None]:

@@ -24,7 +24,7 @@ from fabrics.base.files import parse_toml
 from weavecell.api.lists import format_for_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
-from weavecell.results import glossary, run_folder
+from weavecell.results import glossary
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
@@ -96,8 +96,8 @@ def command(
         if returns == "DataFrame":
             print(format_for_terminal(result))
         elif getattr(result, "read_from", None) is not None:
-            said = run_folder.say_done(result.title, result.outcome, result.read_from)
-            print(result.mark(said))
+            done = f"done before with the same input and code, in {result.read_from}"
+            print(result.mark(f"{result.title}: {result.outcome}; {done}"))
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:

@@ -10,28 +10,24 @@ the attribute "unit".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
-from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.files import write_hdf5
 from fabrics.base.record import Record
 from fabrics.fabric_tables import FAMILIES
 from weavecell.results.hdf5_file import put
 from weavecell.results.keys import COUPON_MEASURES
 
 if TYPE_CHECKING:
-    from shellfabric.coupon.dynamic_relaxation import State
     from shellfabric.coupon.pull_out import PullOutCurve
     from shellfabric.coupon.solver import Result
     from shellfabric.membrane.indicator import Indicator
 
 FORMAT = "weavecell coupon 2"
-CHECKPOINT = "weavecell coupon checkpoint 3"
 PULL_OUT_FORMAT = "weavecell pull-out 2"
 # stretches along each side of the cell's table, as many as in impacts
 TABLE_SIZE = 201
@@ -44,7 +40,6 @@ PRESCRIBED = {
 }
 # column that is 1 in steps of slack yarns
 UNLOADED = "unloaded"
-_STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
 def record(inputs: Any, solved: Result, **facts: Any) -> Record:
@@ -261,33 +256,3 @@ def _arrays(solved):
         "final/tension_weft": (weft, "N"),
         "relaxation": (np.concatenate([state.history for state in states]), "N"),
     }
-
-
-def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
-    """Keep the states of a run under way; `stamp` (`fabrics.base.run_cache`) is that of its scene
-    and of the code."""
-    with write_hdf5(path, CHECKPOINT, **stamp) as file:
-        for number, state in enumerate(states):
-            for name, unit in _STATE.items():
-                put(file, f"{number:05d}/{name}", getattr(state, name), unit)
-
-
-def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
-    """Read the states that `write_states` wrote.
-
-    Raises
-    ------
-    InputError : there are none, or those of another scene or other code
-    """
-    from shellfabric.coupon.dynamic_relaxation import State
-
-    with read_hdf5(path, CHECKPOINT) as file:
-        run_cache.check_stamp(file.attrs, stamp, path, of="input file")
-        groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
-    states = []
-    for values in groups:
-        values["load"] = float(values["load"])
-        values["residual"] = float(values["residual"])
-        values["energies"] = tuple(values["energies"])
-        states.append(State(settled=True, **values))
-    return states

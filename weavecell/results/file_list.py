@@ -25,6 +25,9 @@ from pathlib import Path
 from fabrics.base import files
 
 NAME = ".weavecell-files"
+# copies of what a run reads: where the run reads that very file, it is left as it is
+OF_INPUTS = ("inputs/*/*/*", "inputs/*/*", "inputs/*")
+INPUT = ("scene.toml", *OF_INPUTS)
 _LINE = re.compile(r"(\\?)([0-9a-f]{64})  (.+)")
 _INPUT = "# input "
 _WHOLE = "# whole "

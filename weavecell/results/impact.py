@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.files import read_hdf5, write_hdf5
+from fabrics.base.files import write_hdf5
 from fabrics.base.record import Record
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.impact.data import ImpactData
@@ -467,43 +467,42 @@ class ImpactRecord(ImpactData):
             put(file, "projectile", self.projectile, "m")
 
     @classmethod
-    def read(cls, path: FilePath) -> Self:
-        """Read what `write` wrote; InputError if the file is not one of these."""
+    def from_hdf5(cls, file: Any) -> Self:
+        """Make the record of an open file that `write` wrote (`result_folder.read_record`)."""
         from shellfabric.block.coupling import BackingResult
         from shellfabric.membrane.indicator import Indicator
         from shellfabric.metal.body import MetalHistory
         from shellfabric.projectile.dynamics import BarHistory
 
-        with read_hdf5(path, FORMAT) as file:
-            values = {name: plain(file.attrs[key]) for name, key in SCALARS.items()}
-            for name in _TEXTS:
-                values[name] = json.loads(file.attrs[name])
-            known = {entry.name for entry in fields(cls)}
-            for group in ("histories", "plies"):
-                for key in TABLES[group]:
-                    if key.name in known:
-                        values[key.name] = file[group][key.name][()]
-            for name, group in (("energies", "energies"), ("plies", "plies/histories")):
-                values[name] = {key: data[()] for key, data in file[group].items()}
-            for name in ("half_energy", "final"):
-                values[name] = tuple(map(_read_shape, _members(file, name)))
-            cuts = []
-            for group in _members(file, "cuts"):
-                lines = tuple(line[()] for line in _members(group, "lines"))
-                names = ("body", "plastic", "face")
-                more = {name: group[name][()] for name in names if name in group}
-                cuts.append(read_group(group, Cut, "cut", lines=lines, **more))
-            for name, kind in zip(_PARTS, (BarHistory, MetalHistory, BackingResult)):
-                if name in file:
-                    values[name] = read_group(file[name], kind, name)
-            return cls(
-                **values,
-                checks=tuple(Indicator(**entry) for entry in json.loads(file.attrs["checks"])),
-                quads=tuple(quads[()] for quads in _members(file, "quads")),
-                projectile=file["projectile"][()],
-                cuts=tuple(cuts),
-                measured=tuple(map(_read_measured, _members(file, "measured"))),
-            )
+        values = {name: plain(file.attrs[key]) for name, key in SCALARS.items()}
+        for name in _TEXTS:
+            values[name] = json.loads(file.attrs[name])
+        known = {entry.name for entry in fields(cls)}
+        for group in ("histories", "plies"):
+            for key in TABLES[group]:
+                if key.name in known:
+                    values[key.name] = file[group][key.name][()]
+        for name, group in (("energies", "energies"), ("plies", "plies/histories")):
+            values[name] = {key: data[()] for key, data in file[group].items()}
+        for name in ("half_energy", "final"):
+            values[name] = tuple(map(_read_shape, _members(file, name)))
+        cuts = []
+        for group in _members(file, "cuts"):
+            lines = tuple(line[()] for line in _members(group, "lines"))
+            names = ("body", "plastic", "face")
+            more = {name: group[name][()] for name in names if name in group}
+            cuts.append(read_group(group, Cut, "cut", lines=lines, **more))
+        for name, kind in zip(_PARTS, (BarHistory, MetalHistory, BackingResult)):
+            if name in file:
+                values[name] = read_group(file[name], kind, name)
+        return cls(
+            **values,
+            checks=tuple(Indicator(**entry) for entry in json.loads(file.attrs["checks"])),
+            quads=tuple(quads[()] for quads in _members(file, "quads")),
+            projectile=file["projectile"][()],
+            cuts=tuple(cuts),
+            measured=tuple(map(_read_measured, _members(file, "measured"))),
+        )
 
 
 _TEXTS = ("pack", "failure")

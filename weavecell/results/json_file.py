@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.files import read_json, write_whole
+from fabrics.base.files import write_whole
 from weavecell.results import keys
 
 
@@ -36,13 +36,3 @@ def finite(content: Any) -> Any:
 def write_summary(path: FilePath, content: Mapping[str, Any]) -> None:
     """Write summary.json, its format first."""
     write(path, {"format": keys.SUMMARY_FORMAT, **content})
-
-
-def read_summary(path: FilePath) -> dict[str, Any]:
-    """Read a summary.json.
-
-    Raises
-    ------
-    InputError : no such file, not JSON, or of an unknown format
-    """
-    return read_json(path, keys.SUMMARY_FORMAT, what="a summary.json")

@@ -15,34 +15,28 @@ from __future__ import annotations
 import atexit
 import errno
 import functools
-import json
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
-from weavecell.results import file_list, termination
-from weavecell.results.file_list import FileList
+from weavecell.results import file_list, result_folder, run_folder, termination
+from weavecell.results.file_list import INPUT, FileList
 
 Parameters = ParamSpec("Parameters")
 Returned = TypeVar("Returned")
 
 RUNS = "runs"  # folder of a study, with a file for each run that is done
 LOCK = ".weavecell-lock"
-# state of a run that has not ended, which the run takes away itself
-CHECKPOINTS = "checkpoint*.h5"
 ASIDE = ".found"
 NOT_WRITABLE = "a folder that can be written to ({})"
 ANOTHER_WRITES = "another folder: another run is writing to this one"
-# copies of what a run reads: where the run reads that very file, it is left as it is
-OF_INPUTS = ("inputs/*/*/*", "inputs/*/*", "inputs/*")
-INPUT = ("scene.toml", *OF_INPUTS)
 
 
 @dataclass
@@ -148,7 +142,7 @@ def claim(
         if resume and (known.inputs or not digests):
             earlier = None
         else:
-            earlier = _earlier(place)
+            earlier = result_folder.name_results(place)
         if digests and digests != known.inputs:
             known.inputs = digests
             known.write(place)
@@ -268,7 +262,7 @@ def _judge_inputs(folder, place, known, resume, inputs):
     """The digests of what is computed; a folder to resume from that holds none of them is refused."""
     digests = {run_cache.inputs_digest(given) for given in inputs}
     if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
-        earlier = _earlier(place) or "an unfinished run"
+        earlier = result_folder.name_results(place) or "an unfinished run"
         others = f"this one has {earlier}, of other input or options"
         allowed = f"another folder: {others}; without {option('resume')} it is replaced"
         raise _refuse_folder(folder, allowed)
@@ -332,7 +326,7 @@ def _judge_names(folder, place, new, claimed):
             continue
         if path.resolve() in read:
             refused.append(f"{name}, which this run reads")
-        elif not claimed.known.has(name, path) and not _is_checkpoint(name, path):
+        elif not claimed.known.has(name, path) and not run_folder.is_checkpoint(name, path):
             strange.append(name)
     if strange and not claimed.resume:
         for name in strange:
@@ -362,18 +356,6 @@ def _present(folder, names):
         if "*" not in pattern and (folder / pattern).is_symlink():
             found[pattern] = None
     return list(found)
-
-
-def _is_checkpoint(name, path):
-    """Whether a file is a checkpoint, which carries its own digests."""
-    if not file_list.matches(name, [CHECKPOINTS]):
-        return False
-    from shellfabric.loop import checkpoint
-    from weavecell.results import coupon
-
-    with suppress(InputError), files.read_hdf5(path, checkpoint.FORMAT, coupon.CHECKPOINT):
-        return True
-    return False
 
 
 def _aside(path):
@@ -443,25 +425,3 @@ def _remove_empty(folders):
     with suppress(OSError):
         for folder in folders:
             folder.rmdir()
-
-
-def _earlier(folder):
-    """What a folder holds the results of, with their date; None if it holds none."""
-    dated: list[tuple[str, str]] = []
-    for path in folder.glob("*.json"):
-        content: Any = None
-        with suppress(OSError, ValueError, RecursionError):
-            content = json.loads(path.read_text("utf-8"))
-        stamp = None
-        if isinstance(content, dict):
-            stamp = content.get("provenance", content)
-        if isinstance(stamp, dict) and "date" in stamp:
-            dated.append(
-                (
-                    str(stamp["date"]),
-                    str(content.get("title") or content.get("fabric") or path.stem),
-                )
-            )
-    if dated:
-        return "{1} of {0}".format(*max(dated))
-    return None

@@ -2,14 +2,16 @@
 
 This is the only way to the files of a result. `open_folder` compares the numbers of a folder, its
 input and the files that this names, with the digests that were written with them
-(`results.file_list`); pictures and pages are for the reader alone. `keep_input` writes the input.
+(`results.file_list`); pictures and pages are for the reader alone. No other module of weavecell may
+open the files of a result: the import contracts of pyproject.toml hold it.
 """
 
 from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -18,7 +20,8 @@ from fabrics.base import files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import parse_toml, read_bytes
-from weavecell.results import file_list, one_table, out_folder
+from fabrics.base.read_formats import format_of_hdf5, read_hdf5
+from weavecell.results import file_list, keys, one_table, run_folder
 from weavecell.results.file_list import FileList
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.scenes import kept_files
@@ -28,8 +31,9 @@ if TYPE_CHECKING:
 
 SCENE = "scene.toml"
 HISTORIES = "histories.h5"
+SUMMARY = "summary.json"
 # what is computed, and what it was computed from
-NUMBERS = ("*.h5", "*.json", "*.csv", *out_folder.INPUT)
+NUMBERS = ("*.h5", "*.json", "*.csv", *file_list.INPUT)
 # the shapes of all instants
 SERIES = ("*.pvd", "*/*.vtu", "*.vtu")
 
@@ -64,7 +68,7 @@ KINDS = {
     "case.json": Kind("case", "case.csv"),
     "patch.json": Kind("patch", "patch.csv"),
     "mesh.json": Kind("mesh", ""),
-    "summary.json": Kind("coupon", "coupon.csv"),
+    SUMMARY: Kind("coupon", "coupon.csv"),
 }
 WITHOUT_LIST = f"has no {file_list.NAME}: whether its files were changed cannot be told"
 
@@ -95,14 +99,14 @@ class ResultFolder:
     @property
     def is_impact(self) -> bool:
         """Whether the histories are those of an impact, as this version writes them."""
-        return self.has(HISTORIES) and files.format_of_hdf5(self.folder / HISTORIES) == FORMAT
+        return self.has(HISTORIES) and format_of_hdf5(self.folder / HISTORIES) == FORMAT
 
     def read_json(self, name: str) -> dict[str, Any]:
-        """Read a JSON file of any format.
+        """Read a JSON file.
 
         Raises
         ------
-        InputError : no such file, or it is no table
+        InputError : no such file, it is no table, or a summary of another format
         """
         path = self.folder / name
         allowed = "results of weavecell"
@@ -113,6 +117,11 @@ class ResultFolder:
             raise InputError("is not JSON", file=path, allowed=message) from problem
         if not isinstance(content, dict):
             raise InputError("is no table", file=path, allowed=allowed)
+        stated = content.get("format")
+        if name == SUMMARY and stated != keys.SUMMARY_FORMAT:
+            raise InputError(
+                file=path, key="format", value=stated, allowed=repr(keys.SUMMARY_FORMAT)
+            )
         return content
 
     def read_table(self, name: str, table: str = "") -> DataFrame:
@@ -161,7 +170,7 @@ class ResultFolder:
         ------
         InputError : no histories.h5 of an impact
         """
-        return kind.read(self.folder / HISTORIES)
+        return read_record(self.folder / HISTORIES, kind)
 
     def read_histories(self, *names: str) -> dict[str, Any]:
         """Read some histories (n,) of an impact of any version: {name: values}.
@@ -171,8 +180,8 @@ class ResultFolder:
         InputError : no histories.h5 with these
         """
         path = self.folder / HISTORIES
-        stated = files.format_of_hdf5(path)
-        with files.read_hdf5(path, stated, what="file of histories") as content:
+        stated = format_of_hdf5(path)
+        with read_hdf5(path, stated, what="file of histories") as content:
             return {name: content[f"histories/{name}"][:] for name in names}
 
     def changes_of_scene(self) -> dict[str, Any]:
@@ -235,7 +244,7 @@ def _find_changed(place, listed, patterns):
     wrong = []
     for name in listed.damaged(place, [*NUMBERS, *patterns]):
         # the state of a run under way goes when it ends
-        if not file_list.matches(name, [out_folder.CHECKPOINTS]):
+        if not file_list.matches(name, [run_folder.CHECKPOINTS]):
             wrong.append(name)
     if listed.digests:
         # scene.toml may be the user's own, which a run in its folder leaves as it is
@@ -245,52 +254,46 @@ def _find_changed(place, listed, patterns):
     return wrong
 
 
-def keep_input(folder: Path, text: str, scene: Any, base: Path) -> None:
-    """Write the input of a run to its folder: scene.toml as it was given, and in inputs/ the files
-    that it names.
+def find_whole(folder: Path, names: Iterable[str], key: str) -> ResultFolder | None:
+    """Find the results that a folder holds of the run with a `run_cache.key`; None if it has not
+    ended, was unstable, or if a file is missing or not what was written.
 
     Parameters
     ----------
-    text : of the input file; nothing is written of ""
-    scene : that was made of it
-    base : folder from which its paths count
+    names : of the files of the run, with wildcards
     """
-    if not text:
-        return
-    out_folder.write_copy(folder / SCENE, text)
-    kept = {}
-    for written, path in kept_files.find_named(parse_toml(text), scene, base).items():
-        kept[written] = _read_with_beside(path)
-    # of an earlier run, which named others
-    for names in out_folder.OF_INPUTS:
-        out_folder.remove_earlier(folder, names)
-    if not kept:
-        return
-    copies = {}
-    taken: dict[str, bytes] = {Path(kept_files.NAMED).name: b""}
-    for written, contents in kept.items():
-        within = _find_place(contents, taken)
-        taken |= {within + name: content for name, content in contents.items()}
-        copies[written] = within + next(iter(contents))
-    del taken[Path(kept_files.NAMED).name]
-    for name, content in taken.items():
-        files.write(folder / kept_files.FOLDER / name, content)
-    files.write(folder / kept_files.NAMED, kept_files.list_named(copies))
+    listed = FileList.read(folder)
+    if listed.whole != key or listed.damaged(folder, names):
+        return None
+    found = ResultFolder(folder, listed)
+    if found.read_json(SUMMARY)["outcome"] == "unstable":
+        return None
+    return found
 
 
-def _read_with_beside(path: Path) -> dict[str, bytes]:
-    """{path from its folder: content} of a file, the first, and of those that it names beside it."""
-    contents = {path.name: read_bytes(path)}
-    for name, beside in kept_files.find_beside(path).items():
-        contents[name] = read_bytes(beside)
-    return contents
+def read_record(path: FilePath, kind: type[ImpactRecord] = ImpactRecord) -> ImpactRecord:
+    """Read the file of histories of an impact, as an ImpactRecord or a class that is derived from it.
+
+    Raises
+    ------
+    InputError : no such file, or one of another format
+    """
+    with read_hdf5(path, FORMAT) as content:
+        return kind.from_hdf5(content)
 
 
-def _find_place(contents: Mapping[str, bytes], taken: Mapping[str, bytes]) -> str:
-    """The folder in inputs, "" or one with a number, where no other file has one of these names."""
-    within = ""
-    number = 1
-    while any(taken.get(within + name, content) != content for name, content in contents.items()):
-        number += 1
-        within = f"{number}/"
-    return within
+def name_results(folder: Path) -> str | None:
+    """Name what a folder has the results of, with their date; None if it has none that can be read."""
+    found = ResultFolder(folder)
+    dated: list[tuple[str, str]] = []
+    for path in folder.glob("*.json"):
+        content: dict[str, Any] = {}
+        with suppress(InputError):
+            content = found.read_json(path.name)
+        stamp = content.get("provenance", content)
+        if isinstance(stamp, dict) and "date" in stamp:
+            title = content.get("title") or content.get("fabric") or path.stem
+            dated.append((str(stamp["date"]), str(title)))
+    if dated:
+        return "{1} of {0}".format(*max(dated))
+    return None

@@ -1,16 +1,27 @@
-"""What a folder holds of a run: the results of a finished one, checkpoints of one that was
-interrupted."""
+"""What a folder holds of a run that has not ended: its checkpoints, from which it goes on."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from fabrics.base.errors import WeavecellError
-from weavecell.results import finding, json_file
-from weavecell.results.file_list import FileList
+from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError, WeavecellError
+from fabrics.base.files import write_hdf5
+from fabrics.base.read_formats import read_hdf5
+from weavecell.results import file_list
+from weavecell.results.hdf5_file import put
+
+if TYPE_CHECKING:
+    from shellfabric.coupon.dynamic_relaxation import State
+
+# state of a run that has not ended, which the run takes away itself
+CHECKPOINTS = "checkpoint*.h5"
+OF_COUPON = "weavecell coupon checkpoint 3"
+_STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
 class Interrupted(WeavecellError):
@@ -19,52 +30,47 @@ class Interrupted(WeavecellError):
     exit_code = 130
 
 
-@dataclass(frozen=True)
-class Finished:
-    """Results that a folder holds of the very run that is asked for.
-
-    Parameters
-    ----------
-    folder : of the results
-    content : of its summary.json
-    """
-
-    folder: Path
-    content: dict[str, Any]
-
-    @property
-    def doubtful(self) -> bool:
-        """Whether a quality check is beyond its limit."""
-        return self.content["checks"]["status"] == "doubtful"
-
-    def __str__(self) -> str:
-        doubts = filter(None, self.content.get("doubts", "").split("; "))
-        said = say_done(self.content["title"], self.content["outcome"], self.folder)
-        return finding.mark(said, doubts)
-
-
-def say_done(title: str, outcome: str, folder: Path) -> str:
-    """Say that a run is not repeated, since its folder has the results."""
-    return f"{title}: {outcome}; done before with the same input and code, in {folder}"
-
-
-def find_finished(out: Path, names: Iterable[str], key: str) -> Finished | None:
-    """Return the results that a folder holds of the run with a `run_cache.key`; None if it has not
-    ended, was unstable, or if a file is missing or not what was written.
-
-    Parameters
-    ----------
-    names : of the files of the run, with wildcards
-    """
-    listed = FileList.read(out)
-    if listed.whole != key or listed.damaged(out, names):
-        return None
-    content = json_file.read_summary(out / "summary.json")
-    if content["outcome"] == "unstable":
-        return None
-    return Finished(out, content)
-
-
-def checkpoints(out: Path) -> list[Path]:
+def list_checkpoints(out: Path) -> list[Path]:
     """List the checkpoints in a folder: one, or one for each model that has been tried."""
-    return sorted(out.glob("checkpoint*.h5"))
+    return sorted(out.glob(CHECKPOINTS))
+
+
+def is_checkpoint(name: str, path: Path) -> bool:
+    """Tell whether a file with a name in a folder is a checkpoint, which carries its own digests."""
+    if not file_list.matches(name, [CHECKPOINTS]):
+        return False
+    from shellfabric.loop import checkpoint
+
+    with suppress(InputError), read_hdf5(path, checkpoint.FORMAT, OF_COUPON):
+        return True
+    return False
+
+
+def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
+    """Keep the states of a run under way; `stamp` (`fabrics.base.run_cache`) is that of its scene
+    and of the code."""
+    with write_hdf5(path, OF_COUPON, **stamp) as file:
+        for number, state in enumerate(states):
+            for name, unit in _STATE.items():
+                put(file, f"{number:05d}/{name}", getattr(state, name), unit)
+
+
+def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
+    """Read the states that `write_states` wrote.
+
+    Raises
+    ------
+    InputError : there are none, or those of another scene or other code
+    """
+    from shellfabric.coupon.dynamic_relaxation import State
+
+    with read_hdf5(path, OF_COUPON) as file:
+        run_cache.check_stamp(file.attrs, stamp, path, of="input file")
+        groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
+    states = []
+    for values in groups:
+        values["load"] = float(values["load"])
+        values["residual"] = float(values["residual"])
+        values["energies"] = tuple(values["energies"])
+        states.append(State(settled=True, **values))
+    return states

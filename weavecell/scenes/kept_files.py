@@ -16,7 +16,8 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.files import parse_toml, read_json, read_text
+from fabrics.base.files import parse_toml, read_text
+from fabrics.base.read_formats import read_json
 
 FOLDER = "inputs"
 NAMED = f"{FOLDER}/named.json"
@@ -42,7 +43,7 @@ def find_named(table: Mapping[str, Any], scene: Any, folder: Path) -> dict[str, 
     ----------
     table : as it is written
     scene : that was made of it, with the paths that were read
-    folder : from which paths count that the scene has as they are written
+    folder : from which the name of a projectile counts that is the path of one
 
     Returns
     -------
@@ -54,7 +55,7 @@ def find_named(table: Mapping[str, Any], scene: Any, folder: Path) -> dict[str, 
             continue
         path = folder / text
         if isinstance(used, str) and key != _NAME:
-            path = folder / used
+            path = Path(used)
         if path.is_file():
             found[text] = path
     return found

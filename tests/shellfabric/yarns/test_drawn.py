@@ -22,6 +22,7 @@ from weavecell.report import pictures3d
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
+from weavecell.results.result_folder import read_record
 
 FABRIC = catalogue.load("S-726")
 SETUP = ImpactSetup(
@@ -149,7 +150,7 @@ def test_a_torn_yarn_has_a_gap_and_every_instant_the_same_cells(struck):
 
 def test_a_record_keeps_the_yarns_at_the_end(struck, tmp_path):
     ImpactRecord.from_result(struck, "yarns", "a law").write(tmp_path / "histories.h5")
-    (shape,) = ImpactRecord.read(tmp_path / "histories.h5").final
+    (shape,) = read_record(tmp_path / "histories.h5").final
     (shot,) = struck.last
     assert shape.yarn_surface.shape[1:] == (drawn.AROUND, 3)
     for name in ("yarn_surface", "yarn_tension", "yarn_family"):

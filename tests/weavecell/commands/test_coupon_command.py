@@ -13,7 +13,7 @@ import weavecell as wc
 from tests.scene_text import datasets, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import names, table_of
-from weavecell.results import coupon as results_coupon
+from weavecell.results import run_folder
 from weavecell.scenes import coupon as scenes_coupon
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples" / "coupons").glob("*.toml"))
@@ -23,7 +23,7 @@ UNSTABLE = {"S-728-no-trellis"}
 
 def interrupted_after(states):
     """The user presses Ctrl-C when this number of states has been kept."""
-    keep = results_coupon.write_states
+    keep = run_folder.write_states
     calls = []
 
     def interrupted(*arguments):
@@ -32,7 +32,7 @@ def interrupted_after(states):
         if len(calls) == states:
             raise KeyboardInterrupt
 
-    return mock.patch.object(results_coupon, "write_states", interrupted)
+    return mock.patch.object(run_folder, "write_states", interrupted)
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit(command, succeed, results, tmp_path):

@@ -13,7 +13,7 @@ import pytest
 import weavecell as wc
 from fabrics.base.schema import read_toml
 from fabrics.compression import CompressionLaw
-from weavecell.results.impact import ImpactRecord
+from weavecell.results.result_folder import read_record
 from weavecell.scenes import build
 from weavecell.scenes import impact as scene_files
 
@@ -69,12 +69,12 @@ def test_demonstration(tmp_path):
     assert done.stdout.endswith(f"report: {tmp_path / 'demo' / 'report.html'}\n")
     for velocity, outcome in (("92.5", "stopped"), ("155", "perforated")):
         for law in ("fitted", "published"):
-            record = ImpactRecord.read(tmp_path / "demo" / f"{velocity}-{law}" / "histories.h5")
+            record = read_record(tmp_path / "demo" / f"{velocity}-{law}" / "histories.h5")
             assert record.outcome == outcome
             assert record.energy_error_max < 0.01
             left = f"residual velocity {record.residual_velocity:.4g} m/s"
             assert f"{velocity} m/s, {law} law: {outcome}, {left} (thesis Figure" in done.stdout
-    record = ImpactRecord.read(tmp_path / "demo" / "155-published" / "histories.h5")
+    record = read_record(tmp_path / "demo" / "155-published" / "histories.h5")
     left = f"{record.residual_velocity:.4g} m/s"
     assert f"{wc.impact('S-720', '155 m/s', end_time='600 us').residual_velocity:.4g} m/s" == left
     assert f"the published law leaves {left}" in (ROOT / "README.md").read_text("utf-8")

@@ -14,8 +14,8 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from shellfabric.loop.histories import EDGES
 from tests.weavecell.session_runs import SCENES, fired, set_up
-from weavecell.results import json_file, keys, vtk
-from weavecell.results.impact import ImpactRecord
+from weavecell.results import keys, vtk
+from weavecell.results.result_folder import open_folder, read_record
 from weavecell.results.wave_fronts import fronts
 
 OF_THE_RUN = {"title", "law_name", "wall_time", "ns_per_element_step"}
@@ -52,7 +52,7 @@ def leaves(value, table, path=""):
 def test_no_key_without_a_row_in_its_table_and_each_with_the_unit_of_that_row(results, name):
     folder = results(name).folder
     impact = name not in ("coupon", "pull-out")
-    summary = json_file.read_summary(folder / "summary.json")
+    summary = open_folder(folder).read_json("summary.json")
     table = (*keys.SHARED, *(keys.IMPACT if impact else keys.TABLES["coupon"]))
     assert [key for key in leaves(summary, table) if find(key, table) is None] == []
     scalars = {key.name for key in table}
@@ -103,17 +103,17 @@ def test_another_format_is_refused(tmp_path):
     with pytest.raises(
         InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 11'"
     ):
-        ImpactRecord.read(tmp_path / "a.h5")
-    (tmp_path / "s.json").write_text('{"format": "weavecell summary 9"}')
+        read_record(tmp_path / "a.h5")
+    (tmp_path / "summary.json").write_text('{"format": "weavecell summary 9"}')
     with pytest.raises(
         InputError, match="format = 'weavecell summary 9': must be 'weavecell summary 2'"
     ):
-        json_file.read_summary(tmp_path / "s.json")
+        wc.load(tmp_path)
 
 
 def test_fronts_are_read_off_what_is_read_back(results):
     file = results("impact").folder / "histories.h5"
-    (measured,) = ImpactRecord.read(file).measured
+    (measured,) = read_record(file).measured
     again = {f"{front.family}-{front.kind}": front.speed for front in fronts(measured)}
     assert set(again) == {
         f"{f}-{k}" for f in ("warp", "weft") for k in ("longitudinal", "transverse")
@@ -149,7 +149,7 @@ def assert_same(one, other, at):
 @pytest.mark.parametrize("name", ["impact", "pack"])
 def test_the_record_in_a_file_is_that_of_the_python_interface(results, name):
     """Plies, cuts, histories, bar and block, to the last bit."""
-    assert_same(ImpactRecord.read(results(name).folder / "histories.h5"), fired(name), "")
+    assert_same(read_record(results(name).folder / "histories.h5"), fired(name), "")
 
 
 def test_measuring_changes_nothing_else():
@@ -168,7 +168,7 @@ def test_measuring_changes_nothing_else():
 @pytest.mark.parametrize("name", ["impact", "pack"])
 def test_fields_of_paraview_add_up_to_the_histories(results, name):
     folder = results(name).folder
-    record = ImpactRecord.read(folder / "histories.h5")
+    record = read_record(folder / "histories.h5")
     summary = json.loads((folder / "summary.json").read_text())
     whole = 2 ** (summary["mirror_x"] + summary["mirror_y"])
     series = vtk.read_series(folder / "panel.pvd")

@@ -17,7 +17,7 @@ from tests.scene_text import datasets, every, impact_scene
 from tests.weavecell.written import names, page_of, table_of
 from weavecell.report.shot import view
 from weavecell.results import vtk
-from weavecell.results.impact import ImpactRecord
+from weavecell.results.result_folder import read_record
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
 SHORT = {"S-720-perforates"}
@@ -105,7 +105,7 @@ def test_an_unstable_run_keeps_what_it_computed(unstable):
     *_, line, folder = unstable
     files = "histories.h5 panel panel.pvd pictures report.html scene.toml summary.json"
     assert names(folder) == files
-    record = ImpactRecord.read(folder / "histories.h5")
+    record = read_record(folder / "histories.h5")
     assert record.outcome == "unstable"
     assert line == f"error: {record.failure_message}"
     assert len(record.time) >= 2

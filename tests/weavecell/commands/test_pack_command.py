@@ -14,7 +14,7 @@ from shellfabric.projectile.dynamics import BarHistory
 from tests.weavecell.written import table_of
 from weavecell.report.shot import view
 from weavecell.results import keys
-from weavecell.results.impact import ImpactRecord
+from weavecell.results.result_folder import read_record
 
 HALF = 22.5e-3 + 1e-9  # [m] of the opening
 
@@ -22,7 +22,7 @@ HALF = 22.5e-3 + 1e-9  # [m] of the opening
 @pytest.fixture
 def pack(results):
     run = results("pack")
-    record = ImpactRecord.read(run.folder / "histories.h5")
+    record = read_record(run.folder / "histories.h5")
     told = table_of(run.folder)
     return SimpleNamespace(folder=run.folder, out=run.out, told=told, record=record)
 

@@ -16,7 +16,7 @@ from fabrics.surface import ResponseSurface
 from tests.scene_text import merged
 from tests.weavecell.session_runs import RUNS, SCENES, fired, set_up, small_calibration
 from tests.weavecell.written import names, rows_of, table_of
-from weavecell.results.impact import ImpactRecord
+from weavecell.results.result_folder import read_record
 
 IMPACTS = ("impact", "pack")
 SOLID = pytest.mark.skipif(find_spec("dolfinx") is None, reason="without dolfinx")
@@ -176,7 +176,7 @@ def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
 
 @named(IMPACTS)
 def test_the_record_of_an_impact_has_the_numbers_of_its_summary(results, name):
-    record = ImpactRecord.read(results(name).folder / "histories.h5")
+    record = read_record(results(name).folder / "histories.h5")
     told = numbers(summary_of(results(name), name))
     found = numbers(record.facts())
     assert len(found) > 50

@@ -21,6 +21,7 @@ from weavecell.report.shot.chapters_shot import cut_view
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Cut, Shape
+from weavecell.results.result_folder import read_record
 
 CLAY = backings.load("Roma Plastilina No. 1")
 BLOCK = Backing(CLAY, size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3, growth=1.5)
@@ -38,7 +39,7 @@ def struck(request):
 def record(struck, tmp_path_factory):
     path = tmp_path_factory.mktemp("clay") / "histories.h5"
     ImpactRecord.from_result(struck, "clay", "a law").write(path)
-    return ImpactRecord.read(path)
+    return read_record(path)
 
 
 def test_cuts_have_the_face_of_their_time(struck, record):

@@ -21,6 +21,7 @@ from weavecell.report.shot.chapters_shot import cut_view
 from weavecell.results import vtk
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape, TurnedBody
+from weavecell.results.result_folder import read_record
 
 QUICK = {"opening": 0.0508, "table_size": 61, "end_time": 16e-6, "snapshot_interval": 4e-6}
 DRAWN = {"shape": "ogive", "radius": 2.75e-3, "length": 12e-3, "nose_length": 5e-3}
@@ -42,7 +43,7 @@ def struck():
 def test_cuts_have_the_outline_of_their_time(struck, tmp_path):
     path = tmp_path / "histories.h5"
     ImpactRecord.from_result(struck, "a bullet", "a law").write(path)
-    record = ImpactRecord.read(path)
+    record = read_record(path)
     widths, lengths = [], []
     for cut in record.cuts:
         view = cut_view(record, cut, "")

@@ -16,7 +16,7 @@ from fabrics.base import files
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from tests.scene_text import FRAME, merged, toml
-from weavecell.results import file_list, json_file, out_folder
+from weavecell.results import file_list, json_file, keys, out_folder
 from weavecell.results.result_folder import KINDS, open_folder
 
 CUBE = Path(__file__).parents[3] / "examples" / "cube.stl"
@@ -215,7 +215,7 @@ def written(folder, name):
     if KINDS[name].csv:
         names.append(KINDS[name].csv)
     with out_folder.hold(folder, names):
-        json_file.write(folder / name, {"format": "weavecell x 1", "speed_m_s": 97.5})
+        json_file.write(folder / name, {"format": keys.SUMMARY_FORMAT, "speed_m_s": 97.5})
         files.write(folder / "scene.toml", FRAME)
         files.write(folder / "picture.svg", "<svg/>")
         if KINDS[name].csv:
