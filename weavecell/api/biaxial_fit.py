@@ -95,8 +95,8 @@ class BiaxialFitPlan(Plan["BiaxialFitResult"]):
         title = f"{self.model.fabric.name}, biaxial tests of {self.source}"
         states = sum(len(test.load) for test in self.tests)
         fitted = len(self.fitted) or len(self.tests)
-        amounts = {"tests": len(self.tests), "fitted": fitted, "states": states}
-        return WorkSize(title, amounts | {"constants": len(self.constants)})
+        amounts = {"test": len(self.tests), "fitted test": fitted, "state": states}
+        return WorkSize(title, amounts | {"constant": len(self.constants)})
 
     def run(self, running: Running) -> BiaxialFitResult:
         """Fit the constants."""

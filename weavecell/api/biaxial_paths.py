@@ -93,7 +93,7 @@ class BiaxialPlan(Plan["BiaxialResult"]):
     def forecast(self) -> WorkSize:
         """Count paths and states, and hexahedra of the 3D crossover."""
         title = f"{self.model.fabric.name}, biaxial"
-        amounts = {"paths": len(self.ratios), "states": len(self.ratios) * STATES}
+        amounts = {"path": len(self.ratios), "state": len(self.ratios) * STATES}
         if self.mesh is None:
             return WorkSize(title, amounts)
         from meshing import crossover

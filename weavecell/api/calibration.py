@@ -27,6 +27,7 @@ import numpy as np
 from fabrics import assumed, plausible
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
@@ -123,7 +124,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         paths = solver.CASES
         if self.assumed_range and self.curve is None and assumed.solid_ends(self.fabric):
             paths *= 3
-        return meshes.size_of_mesh(f"{self.fabric.name}, calibration", built.mesh, paths=paths)
+        return meshes.size_of_mesh(f"{self.fabric.name}, calibration", built.mesh, path=paths)
 
     def run(self, running: Running) -> CalibrationResult:
         """Fit the solid to the platens, then the law to the crossover of that solid."""
@@ -389,7 +390,7 @@ def _interval(solid, runs, choices):
     from unitcell3d.identify.chain import law_intervals
 
     with progress.bar(f"Intervals of {solid.fabric.name}") as advance:
-        report = lambda done, total: advance(done / total, f"{done} of {total} paths")  # noqa: E731
+        report = lambda done, total: advance(done / total, f"{done} of {counted(total, 'path')}")  # noqa: E731
         return law_intervals([solid], folder=runs, report=report, **choices)[0]
 
 

@@ -22,6 +22,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 
 from fabrics.base import run_cache
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from weavecell.api import entrance
 from weavecell.api.execution import Execution
@@ -85,7 +86,7 @@ class Running(Generic[Found]):
                 if describe is None:
                     advance(share)
                 else:
-                    advance(share, f"{next(done)} shots, {describe(run)}")
+                    advance(share, f"{counted(next(done), 'shot')}, {describe(run)}")
 
             yield report
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Unpack
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
@@ -642,7 +643,7 @@ class ComparisonResult(DrawnResult):
         needed = self.shots_to_decide
         if needed is None:
             return f"{paired.MOST_SHOTS:,} shots of each would not decide it either"
-        return f"{needed - self.difference.shots:,} more shots at each, if the difference stays"
+        return f"{counted(needed - self.difference.shots, 'more shot')} at each, if the difference stays"
 
     @property
     def title(self) -> str:
@@ -668,13 +669,15 @@ class ComparisonResult(DrawnResult):
         lines.append(f"mass of A: {100 * self.heavier:+.1f} % against B")
         if self.quantity == "v50" and not difference.reason:
             lines.append(
-                f"difference by {difference.shots} shots at each: {difference.low:+.1f} to "
+                f"difference by {counted(difference.shots, 'shot')} at each: {difference.low:+.1f} to "
                 f"{difference.high:+.1f} m/s with {100 * difference.confidence:g} % confidence; "
                 f"correlation of the two {difference.correlation:.2g}"
             )
             widths = paired.forecast_widths(difference)
             if widths:
-                each = ", ".join(f"{count} shots ± {width:.1f}" for count, width, _ in widths)
+                each = ", ".join(
+                    f"{counted(count, 'shot')} ± {width:.1f}" for count, width, _ in widths
+                )
                 lines.append(f"interval of the difference by the shots, m/s: {each}")
         if self.assumed_range is not None:
             lines.append(f"over what is assumed: {self.assumed_range.words()}")

@@ -416,9 +416,9 @@ def _family(yarn: str) -> int:
 
 
 def _check(domain: str, *allowed: str) -> None:
-    """Refuse a part of the weave that a case does not have."""
+    """Refuse a part of the weave that a load case does not have."""
     if domain not in allowed:
-        words = f"{' or '.join(allowed)} for this case"
+        words = f"{' or '.join(allowed)} for this load"
         raise InputError(key="domain", value=domain, allowed=words)
 
 

@@ -137,5 +137,5 @@ class DeckResult(Result):
             lines.append(f"{name}: {errors}")
         lines.append(f"of the strength; the deck has not been run in {self.code}")
         if self.keys_left_out:
-            lines.append(f"left out of the scene: {', '.join(self.keys_left_out)}")
+            lines.append(f"left out of the input file: {', '.join(self.keys_left_out)}")
         return "\n".join(lines)

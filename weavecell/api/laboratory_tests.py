@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
@@ -73,7 +74,7 @@ class ReductionPlan(Plan["TestsResult"]):
 
     def forecast(self) -> WorkSize:
         """Count the tests: nothing is fired."""
-        return WorkSize(self.tests, {"tests": len(self.fired)})
+        return WorkSize(self.tests, {"test": len(self.fired)})
 
 
 @dataclass(frozen=True)
@@ -362,13 +363,15 @@ class TestsBesideShots(StudyResult):
         ]
         count = len(comparison.table)
         residual = comparison.difference()
-        lines.append(f"outcome as tested in {comparison.agree} of {count} shots")
+        lines.append(f"outcome as tested in {comparison.agree} of {counted(count, 'shot')}")
         if residual["mean"] is not None:
             lines.append(
-                "residual velocity, computed less tested, {shots} shots: mean {mean:+.1f} m/s ({low:+.1f} to "
-                "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(**residual)
+                "residual velocity, computed less tested, {counted}: mean {mean:+.1f} m/s ({low:+.1f} to "
+                "{high:+.1f} with 95 % confidence), rms {rms:.1f} m/s".format(
+                    counted=counted(residual["shots"], "shot"), **residual
+                )
             )
         doubtful = int((comparison.table["checks"] == "doubtful").sum())
         if doubtful:
-            lines.append(f"doubtful: {doubtful} of {count} computed shots (shots.csv)")
+            lines.append(f"doubtful: {doubtful} of {counted(count, 'computed shot')} (shots.csv)")
         return lines

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.errors import (
     InputError,
@@ -510,7 +511,7 @@ class CriticalVelocityResult(StudyResult):
         if limit.mixed_zone is None:
             lines = [
                 f"{self.title}: critical velocity {limit.velocity:.1f} m/s",
-                f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {count} shots",
+                f"stops at {limit.low:.2f} m/s, perforates at {limit.high:.2f} m/s; {counted(count, 'shot')}",
             ]
         else:
             low, high = limit.mixed_zone
@@ -520,8 +521,8 @@ class CriticalVelocityResult(StudyResult):
             mixed = f"mixed outcomes from {low:.1f} to {high:.1f} m/s"
             lines = [
                 f"{self.title}: no single critical velocity, {mixed}",
-                f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {count} shots",
-                f"{len(inside)} shots in this zone: {perforate} perforate, {stop} stop",
+                f"lowest perforation {low:.2f} m/s, highest stop {high:.2f} m/s; {counted(count, 'shot')}",
+                f"{counted(len(inside), 'shot')} in this zone: {perforate} perforate, {stop} stop",
             ]
         if self.v50 is not None:
             lines[0] = f"{self.title}: {self.v50.words()}"

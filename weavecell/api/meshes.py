@@ -116,7 +116,7 @@ class MeshPlan(Plan["MeshResult"]):
 
 def size_of_mesh(title: str, mesh: Any, **amounts: int) -> WorkSize:
     """Return the WorkSize of what is computed on a mesh."""
-    return WorkSize(title, {"hexahedra": len(mesh.hexes), "nodes": len(mesh.points), **amounts})
+    return WorkSize(title, {"hexahedron": len(mesh.hexes), "node": len(mesh.points), **amounts})
 
 
 @command(MeshPlan)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 import numpy as np
 
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
@@ -216,7 +217,7 @@ class PatchResult(DrawnResult):
     def _title(self):
         place = {"gap": "in a gap", "crossover": "on a crossover"}[self.patch.place]
         count = self.patch.crossings
-        return f"{self.target.shot_title}: {count} x {count} crossovers, struck {place}"
+        return f"{self.target.shot_title}: {count} x {counted(count, 'crossover')}, struck {place}"
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds} that stands at the top of the module."""

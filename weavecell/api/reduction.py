@@ -27,6 +27,7 @@ import numpy as np
 
 from fabrics import catalogue, plausible
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
@@ -221,7 +222,9 @@ class CompressionRecords(DrawnResult):
         lines = [f"# from {self.record} by `weavecell reduce compression`"]
         if self.gaps:
             plies, gap = next(iter(self.gaps.items()))
-            lines.append(_entry("interlayer_gap", gap, 1e3, "mm", f"packs of 1 and {plies} plies"))
+            lines.append(
+                _entry("interlayer_gap", gap, 1e3, "mm", f"packs of 1 and {counted(plies, 'ply')}")
+            )
         if self.cell:
             lines += [
                 "",
@@ -245,7 +248,7 @@ class CompressionRecords(DrawnResult):
             low, high = law.intervals()["exponent"]
             name = "1 ply"
             if law.plies > 1:
-                name = f"{law.plies} plies"
+                name = counted(law.plies, "ply")
             lines.append(
                 f"{name:<12}n {law.exponent:.2f} ({low:.2f} to {high:.2f}), rms {1e6 * law.rms:.2g} um; "
                 f"with n = 3 K'' {cubic.stiffness:.4g} Pa m3, rms {1e6 * cubic.rms:.2g} um"
@@ -255,7 +258,7 @@ class CompressionRecords(DrawnResult):
                 lines.append(f"{name + ' of a ply':<12}{_spread(self.cell[name], factor)} {unit}")
         for plies, gap in self.gaps.items():
             lines.append(
-                f"{'gap':<12}{_spread(gap, 1e3)} mm between plies, of {plies} plies and one"
+                f"{'gap':<12}{_spread(gap, 1e3)} mm between plies, of {counted(plies, 'ply')} and one"
             )
         return "\n".join(lines)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from fabrics import assumed
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import in_terminal
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
@@ -165,7 +166,7 @@ class Result:
     def __repr__(self) -> str:
         parts = [str(self).partition("\n")[0].rstrip(".")]
         if laws := self._list_assumed_laws():
-            parts.append(f"assumed: {len(laws)} laws")
+            parts.append(f"assumed: {counted(len(laws), 'law')}")
         if self.checks_text != "ok":
             parts.append(f"checks {self.checks_text}")
         words = shorten("; ".join(parts), _LONGEST, placeholder=" ...")
@@ -227,7 +228,7 @@ class Result:
         return "".join(
             (
                 *parts,
-                f"<details{opened}><summary>all values, {len(table)} rows</summary>{rows}</details>",
+                f"<details{opened}><summary>all values, {counted(len(table), 'row')}</summary>{rows}</details>",
             )
         )
 

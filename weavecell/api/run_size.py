@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics import assumed
+from fabrics.base.counted import counted, plural
 from fabrics.base.door import in_terminal, option
 from fabrics.base.frozen import explain_frozen
 from weavecell.api.result import Result
@@ -47,6 +48,13 @@ GROWTH = (
     "elements; threads share the plies of a pack"
 )
 SPREAD = "spread the shots over processes, or by dask and mpi over machines, to the same results"
+
+
+def _in_megabytes(memory):
+    """Memory [bytes] in words."""
+    if memory < 1e6:
+        return "below 1 MB"
+    return f"{1e-6 * memory:,.0f} MB"
 
 
 def shots_of_a_search(setup: ImpactSetup, tolerance: float = WIDTH) -> int:
@@ -187,11 +195,12 @@ class RunSize(_Size):
     def __str__(self) -> str:
         block = ""
         if self.bricks:
-            block = f" and {self.bricks:,} bricks"
+            block = f" and {counted(self.bricks, 'brick')}"
         lines = [
             f"{self.title}: nothing is run",
-            f"{self.elements:,} elements{block}, at most {self.steps:,} steps of {1e9 * self.time_step:.3g} ns",
-            f"memory {1e-6 * self.memory:.0f} MB; {self.cost} if it goes on to its end time",
+            f"{counted(self.elements, 'element')}{block}, at most {counted(self.steps, 'step')} of "
+            f"{1e9 * self.time_step:.3g} ns",
+            f"memory {_in_megabytes(self.memory)}; {self.cost} if it goes on to its end time",
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
@@ -307,10 +316,10 @@ class StudySize(_Size):
     def __str__(self) -> str:
         searches = ""
         if self.searches:
-            searches = f", of which {self.searches} searches of a limit"
+            searches = f", of which {counted(self.searches, 'search')} of a limit"
         lines = [
             f"{self.title}: nothing is run",
-            f"about {self.shots:,} shots{searches}; {self.cost}",
+            f"about {counted(self.shots, 'shot')}{searches}; {self.cost}",
         ]
         if self.of_range:
             own = self.shots - self.of_range
@@ -334,7 +343,7 @@ class WorkSize(Result):
     Parameters
     ----------
     title : of what is computed
-    amounts : {what is counted: number}
+    amounts : {what is counted, in the singular: number}
     assumed : lines that name what is assumed
 
     Examples
@@ -350,13 +359,13 @@ class WorkSize(Result):
 
     def summary(self) -> dict[str, Any]:
         """Return the amounts."""
-        return dict(self.amounts)
+        return {plural(noun): number for noun, number in self.amounts.items()}
 
     def _columns(self):
-        return {name: [value] for name, value in self.amounts.items()}
+        return {name: [number] for name, number in self.summary().items()}
 
     def __str__(self) -> str:
-        amounts = ", ".join(f"{number:,} {name}" for name, number in self.amounts.items())
+        amounts = ", ".join(counted(number, noun) for noun, number in self.amounts.items())
         return "\n".join([f"{self.title}: nothing is run", amounts, *self.assumed])
 
 
@@ -407,6 +416,6 @@ class SizeOfPatch(_Size):
     def __str__(self) -> str:
         count = self.crossings
         return (
-            f"{self.title}: nothing is run\n{count} x {count} crossovers of {self.bricks:,} hexahedra; "
-            f"{self.cost}"
+            f"{self.title}: nothing is run\n{count} x {counted(count, 'crossover')} of "
+            f"{counted(self.bricks, 'hexahedron')}; {self.cost}"
         )

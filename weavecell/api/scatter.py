@@ -14,6 +14,7 @@ from math import inf, nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import UnstableError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
@@ -128,7 +129,7 @@ class V50Plan(Plan["V50Result"]):
                 result = replace(result, study=study, wall_time=running.wall_time)
                 running.save(result)
         if study.failures:
-            left_out = f"{len(study.failures)} of {self.shots} shots are left out of all estimates"
+            left_out = f"{len(study.failures)} of {counted(self.shots, 'shot')} are left out of all estimates"
             running.failure = UnstableError(f"{left_out}: {study.failures[0]}", result=result)
         return result
 
@@ -157,7 +158,7 @@ class V50Plan(Plan["V50Result"]):
         searches, repeated = self._count_range(over)
         of_a_search = shots_of_a_search(panel.setup)
         share = (of_a_search * searches + repeated) / (of_a_search + self.shots)
-        cost = f"{searches} searches and {repeated} shots, about {share * running.wall_time:.2g} s"
+        cost = f"{counted(searches, 'search')} and {counted(repeated, 'shot')}, about {share * running.wall_time:.2g} s"
         logging.getLogger("weavecell").info(f"range over what is assumed: at most {cost}")
 
 
@@ -313,7 +314,10 @@ class V50Result(StudyResult):
         """How many shots have which checks beyond their limits; and exchanged outcomes."""
         shots = self.study.shots
         counts = Counter(name for shot in shots for name in shot.doubtful)
-        parts = [f"{name} in {count} of {len(shots)} shots" for name, count in counts.most_common()]
+        parts = [
+            f"{name} in {count} of {counted(len(shots), 'shot')}"
+            for name, count in counts.most_common()
+        ]
         return (*parts, *filter(None, [self.study.six_shots.doubt]))
 
     @property
@@ -359,7 +363,7 @@ class V50Result(StudyResult):
 
     @property
     def title(self) -> str:
-        return f"{self.target.title}: probability of perforation, {len(self.study.shots)} shots"
+        return f"{self.target.title}: probability of perforation, {counted(len(self.study.shots), 'shot')}"
 
     def lines(self) -> list[str]:
         """Write the lines that are printed: shots, curves, the limit without scatter, assumptions."""
@@ -387,8 +391,8 @@ class V50Result(StudyResult):
         slowest = min(perforations, default=nan)
         remarks += [
             f"Without scatter the limit is between {low:.1f} and {high:.1f} m/s.",
-            f"{len(shots)} shots in rounds of {self.batch}, {len(perforations)} perforated, seed {self.seed}; slowest "
-            f"perforation {slowest:.1f} m/s, fastest stop {fastest:.1f} m/s; largest energy error "
+            f"{counted(len(shots), 'shot')} in rounds of {self.batch}, {len(perforations)} perforated, seed "
+            f"{self.seed}; slowest perforation {slowest:.1f} m/s, fastest stop {fastest:.1f} m/s; largest energy error "
             f"{100 * study.summary()['energy_error_max']:.2g} %.",
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
@@ -402,7 +406,7 @@ class V50Result(StudyResult):
             counts = Counter(name for shot in shots for name in shot.doubtful)
             names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())
             remarks.append(
-                f"{study.doubtful} of {len(shots)} shots are doubtful; checks beyond their limits: {names}."
+                f"{study.doubtful} of {counted(len(shots), 'shot')} are doubtful; checks beyond their limits: {names}."
             )
         remarks.append(f"Residual velocities, Lambert-Jonas: {study.lambert_jonas.words()}.")
         if (zones := self._zones()) is not None:

@@ -23,6 +23,7 @@ import numpy as np
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.run_cache import RunCache
@@ -89,7 +90,7 @@ class SurfacePlan(Plan["SurfaceResult"]):
         """Count hexahedra, nodes and the first lines."""
         built = meshes.build(self.fabric, "quarter", size=self.size)
         lines = 2 * self.points
-        return meshes.size_of_mesh(f"{self.fabric.name}, response surface", built, lines=lines)
+        return meshes.size_of_mesh(f"{self.fabric.name}, response surface", built, line=lines)
 
     def run(self, running: Running) -> SurfaceResult:
         """Sample it; the finished lines are kept until it is written."""
@@ -337,7 +338,8 @@ class SurfaceResult(Result):
             "left-out lines, largest",
             "rms from the shell's cell",
         ]
-        lead = f"{surface.d1.size} × {surface.d2.size} samples, {self.sampled.solves} equilibria."
+        samples = f"{surface.d1.size} × {counted(surface.d2.size, 'sample')}"
+        lead = f"{samples}, {counted(self.sampled.solves, 'equilibrium')}."
         table = Table.from_frame(DataFrame(rows, columns=columns))
         figures = tuple(self._figures())
         return Section("surface", "Response surface", lead, figures, (table,))

@@ -25,6 +25,7 @@ import numpy as np
 from fabrics import plausible
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import in_terminal
 from fabrics.base.errors import InputError, nearest
 from fabrics.base.executors import as_done, open_executor
@@ -176,7 +177,7 @@ class SetupsPlan(Plan["SweepResult"]):
         """Forecast CPU time of all shots together."""
         from weavecell.api.run_size import RunSize
 
-        title = f"{len(self.setups)} shots"
+        title = counted(len(self.setups), "shot")
         times = [RunSize.estimate(setup, setup.title).cpu_time for setup in self.setups]
         low, high = (sum(time[end] for time in times) for end in (0, 1))
         return StudySize(title, len(self.setups), 0, (low, high))
@@ -184,7 +185,7 @@ class SetupsPlan(Plan["SweepResult"]):
     def run(self, running: Running) -> SweepResult:
         """Fire."""
         arguments = [(setup,) for setup in self.setups]
-        title = f"{len(arguments)} shots"
+        title = counted(len(arguments), "shot")
         with open_executor(**running.how.pool) as pool, progress.bar(title) as advance:
             shots = {}
             for number, shot in as_done(pool, _fire, arguments):
@@ -513,7 +514,7 @@ class SweepTable(StudyResult):
         count = sum(str(row.get("checks", "")).startswith("doubtful") for row in self.rows)
         if not count:
             return ()
-        return (f"{count} of {len(self.rows)} rows",)
+        return (f"{count} of {counted(len(self.rows), 'row')}",)
 
     @property
     def headline(self) -> tuple[str, str]:
@@ -687,7 +688,9 @@ class SweepResult(Result, Sequence):
         for shot in self.shots:
             if shot.doubtful and shot.outcome != "unstable":
                 strikes.append(f"{shot.strike_velocity:g} m/s")
-        return f"sweep of {len(self.shots)} shots, doubtful at {', '.join(strikes)}; worst"
+        return (
+            f"sweep of {counted(len(self.shots), 'shot')}, doubtful at {', '.join(strikes)}; worst"
+        )
 
     def summary(self) -> dict[str, Any]:
         """Count the shots of each outcome and the doubtful ones, and give the worst checks in
@@ -706,7 +709,9 @@ class SweepResult(Result, Sequence):
             for name, value in self.summary().items()
             if name not in ("shots", "checks")
         )
-        return self.mark(f"{len(self.shots)} shots: {counts}; checks: {self.checks_text}")
+        return self.mark(
+            f"{counted(len(self.shots), 'shot')}: {counts}; checks: {self.checks_text}"
+        )
 
     def _columns(self):
         from pandas import DataFrame

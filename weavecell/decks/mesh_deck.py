@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fabrics.base.counted import counted
 from fabrics.fabric import Fabric
 from meshing.inputs import YARNS
 from meshing.mesh import SURFACES, YarnMesh
@@ -176,7 +177,7 @@ def _is_surface(name):
 
 def _header(mesh):
     return [
-        f"weavecell: {mesh.fabric}, {len(mesh.names)} yarns, {len(mesh.hexes)} hexahedra",
+        f"weavecell: {mesh.fabric}, {counted(len(mesh.names), 'yarn')}, {counted(len(mesh.hexes), 'hexahedron')}",
         "Units: m, kg, s, N, Pa",
         "Fibre direction: from node 1 to node 2 of each hexahedron",
         "Materials: linear, the yarn at rest (V_f = Vf0); put the yarn law in their place",

@@ -338,7 +338,7 @@ def build(
     left_out = list_left_out(setup, given)
     notes = [f"Note: {note}" for note in setup.opening_notes]
     if left_out:
-        notes.insert(0, f"Left out of the scene: {', '.join(left_out)}")
+        notes.insert(0, f"Left out of the input file: {', '.join(left_out)}")
     header = _header(materials, units, share, law, source, code.NAME, notes)
     end = setup.end_time
     friction = pack.friction

@@ -7,6 +7,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fabrics.base.counted import counted
 from fabrics.base.tables import WORDS, read_table
 from weavecell.report.page import Section, Table
 from weavecell.results import display
@@ -90,9 +91,7 @@ def _describe_window(window):
     low, *_, high = (shot["strike_velocity_m_s"] for shot in window.shots)
     mixed = ": MIXED outcomes" if len(window.outcomes) > 1 else ""
     jump = f"; {window.jump.words}" if window.jump else ""
-    return (
-        f"{len(window.shots)} shots at {low:.4g} to {high:.4g} m/s, {_counts(window)}{mixed}{jump}"
-    )
+    return f"{counted(len(window.shots), 'shot')} at {low:.4g} to {high:.4g} m/s, {_counts(window)}{mixed}{jump}"
 
 
 def _counts(window):

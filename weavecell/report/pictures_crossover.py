@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from weavecell.report.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
@@ -83,7 +84,7 @@ def stack(pyplot: Any, fabric: Fabric, record: Record) -> Any:
     if plies == 1:
         plural = "one ply"
     else:
-        plural = f"{plies} plies"
+        plural = counted(plies, "ply")
     axes.set_title(f"{fabric.name}, {plural} between plates")
     axes.legend()
     return figure

@@ -14,6 +14,7 @@ import pyvista
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.files import replace_whole
 from meshing.crossover import Crossover
@@ -140,7 +141,7 @@ def _caption(scene, crossover):
     cell = " x ".join(f"{2e3 * w:.3f}" for w in crossover.w)
     text = (
         f"{crossover.fabric}: {crossover.domain} crossover, section {crossover.sections[0].kind}, cell {cell} mm\n"
-        f"{len(crossover.hexes)} hexahedra ({nx} x {ny} x {nz} in each yarn), "
+        f"{counted(len(crossover.hexes), 'hexahedron')} ({nx} x {ny} x {nz} in each yarn), "
         f"worst scaled Jacobian {crossover.min_scaled_jacobian:.3f}"
     )
     scene.add_text(text, position=(40, 30), font_size=16, color=INK)

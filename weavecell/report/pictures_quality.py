@@ -14,6 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.files import replace_whole
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
@@ -58,7 +59,7 @@ def picture(mesh: YarnMesh, path: FilePath) -> None:
     _bars(bars, mesh, quality, low, step)
     nx, ny, nz = (n - 1 for n in mesh.grids[0].shape)
     figure.suptitle(
-        f"{mesh.fabric}: {len(mesh.hexes)} hexahedra ({nx} x {ny} x {nz} in each warp yarn), "
+        f"{mesh.fabric}: {counted(len(mesh.hexes), 'hexahedron')} ({nx} x {ny} x {nz} in each warp yarn), "
         f"worst scaled Jacobian {quality.min():.3f}",
         fontsize=15,
         color=INK,

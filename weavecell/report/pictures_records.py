@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from fabrics.base.counted import counted
 from weavecell.report.pictures_style import BLUE, COLOURS, FAINT, INK, ORANGE
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ def draw_compression(pyplot: Any, laws: Sequence[PressureLaw], title: str) -> An
     """Draw what each pack closes against pressure: its record, and the law that was fitted."""
     figure, axes = pyplot.subplots(figsize=(WIDTH, 5.4))
     for law, colour in zip(laws, COLOURS):
-        name = f"{law.plies} plies"
+        name = counted(law.plies, "ply")
         if law.plies == 1:
             name = "1 ply"
         pressure, closed = law.curve()

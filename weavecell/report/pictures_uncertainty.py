@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fabrics.base.counted import counted
 from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, legend_beside
 from weavecell.studies import probit
 
@@ -74,9 +75,9 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     places = [V[part].mean() for part in parts]
     shares = [hit[part].mean() for part in parts]
     if parts[1:]:
-        label = f"share of {len(parts[-1])} shots"
+        label = f"share of {counted(len(parts[-1]), 'shot')}"
     else:
-        label = f"share of all {V.size} shots"
+        label = f"share of all {counted(V.size, 'shot')}"
     axis.plot(places, shares, "D", ms=6, color=FAINT, label=label)
     axis.axvspan(
         *study.deterministic,

@@ -16,6 +16,7 @@ from pydantic import (
     model_validator,
 )
 
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     TEXT,
@@ -462,7 +463,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         plies = sum(ply.count for ply in self.ply)
         if not 2 <= plies <= MOST_PLIES:
             allowed = f"2 to {MOST_PLIES} plies in all; [fabric] alone is one ply"
-            raise InputError(key="ply", value=f"{plies} plies", allowed=allowed)
+            raise InputError(key="ply", value=counted(plies, "ply"), allowed=allowed)
         return self.model_copy(update={"plies": plies})
 
     @model_validator(mode="after")

@@ -24,6 +24,7 @@ from fabrics import assumed, data_sheet
 from fabrics.base import run_cache
 from fabrics.base.assumed_number import is_assumed
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, WeavecellError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
@@ -112,7 +113,7 @@ class AssumedRange:
         shares = ", ".join(f"{name} {100 * share:.0f} %" for name, share in self.shares.items())
         over = f"over the assumed ranges (shares: {shares})"
         if outcomes == ["stopped"]:
-            return f"stopped in all {len(self.rows)} runs over the assumed ranges ({', '.join(self.shares)})"
+            return f"stopped in all {counted(len(self.rows), 'run')} over the assumed ranges ({', '.join(self.shares)})"
         more = ""
         if outcomes:
             more = f"; {' or '.join(outcomes)}"

@@ -16,6 +16,7 @@ from math import nan
 import numpy as np
 
 from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.tables import WORDS, read_table
 
@@ -122,7 +123,7 @@ def _test(name, values, path):
     key = f"test {name}"
     if len(values) < FEWEST:
         allowed = f"at least {FEWEST} rows"
-        raise InputError(file=path, key=key, value=f"{len(values)} rows", allowed=allowed)
+        raise InputError(file=path, key=key, value=counted(len(values), "row"), allowed=allowed)
     strain = values[:, :2]
     load = values[:, 2:]
     empty = np.isnan(strain)

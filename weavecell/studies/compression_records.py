@@ -34,6 +34,7 @@ from scipy.optimize import curve_fit
 from scipy.stats import t as student
 
 from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.tables import read_columns
 
@@ -250,7 +251,9 @@ def gap_between(one: PressureLaw, many: PressureLaw) -> Estimate:
     if not high > low:
         allowed = "pressures that the record of one ply has too"
         value = f"{low:g} to {high:g} Pa"
-        raise InputError(key=f"record of {many.plies} plies", value=value, allowed=allowed)
+        raise InputError(
+            key=f"record of {counted(many.plies, 'ply')}", value=value, allowed=allowed
+        )
 
     def gaps(closed):
         across = [closed(law, high) - closed(law, low) for law in (one, many)]

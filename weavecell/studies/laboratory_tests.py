@@ -15,6 +15,7 @@ from scipy.stats import t as student
 from fabrics import plausible
 from fabrics.base import tables
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.units import refused
 from shellfabric.membrane.indicator import status
@@ -195,7 +196,7 @@ def doubt_repeats(rows: Sequence[object]) -> str:
     count = len(rows)
     for length in range(FEWEST_PASTED, count // 2 + 1):
         if count % length == 0 and list(rows) == list(rows[:length]) * (count // length):
-            return f"the {count} tests are the same {length} tests {count // length} times"
+            return f"the {counted(count, 'test')} are the same {counted(length, 'test')} {count // length} times"
     return ""
 
 
@@ -308,6 +309,6 @@ def _fit(table, kind, limit):
     through = int((table[kind] == "perforated").sum())
     known = int((shots[kind] == "perforated").sum())
     if fit.reason and known < through:
-        reason = f"{through - known} of {through} perforations have no residual velocity"
+        reason = f"{through - known} of {counted(through, 'perforation')} have no residual velocity"
         return replace(fit, reason=reason)
     return fit

@@ -23,6 +23,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from fabrics.base.checks import FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 
 NAMES = ("a", "p", "limit")
@@ -143,7 +144,9 @@ def fit(
     reason = ""
     # as many points as parameters are met exactly, and say nothing about scatter
     if through.size <= len(free):
-        reason = f"{through.size} perforations do not determine its {len(free)} parameters"
+        reason = (
+            f"{counted(through.size, 'perforation')} do not determine its {len(free)} parameters"
+        )
     elif limit is not None and not 0 < limit < slowest:
         reason = f"a shot perforates at {slowest:.4g} m/s, below the limit, {limit:.4g} m/s"
     if reason:

@@ -42,6 +42,7 @@ from scipy.special import expit, log_expit, log_ndtr, ndtr
 from scipy.stats import chi2, logistic, norm
 
 from fabrics.base.checks import FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from weavecell.studies.posterior import Posterior, prior_words
 
@@ -125,7 +126,7 @@ class Curve:
         """Write how many more shots bound V50 without the prior."""
         if self.more_shots is None:
             return "the shots alone set no bounds"
-        return f"about {self.more_shots} more shots would bound it without a prior"
+        return f"about {counted(self.more_shots, 'more shot')} would bound it without a prior"
 
     @property
     def basis(self) -> str:
@@ -344,7 +345,7 @@ def _maximise(V, hit, link):
 def _no_curve(V, hit):
     """Why shots determine no curve whatever the link, or ""."""
     if hit.all() or not hit.any():
-        return f"all {hit.size} shots {'perforated' if hit.any() else 'stopped'}"
+        return f"all {counted(hit.size, 'shot')} {'perforated' if hit.any() else 'stopped'}"
     if np.ptp(V) > 0:
         return ""
     return f"all shots have one velocity, {V[0]:.4g} m/s"

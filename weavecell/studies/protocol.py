@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fabrics.base.counted import counted
 from weavecell.studies.probit import Curve
 
 PAIRS, SPAN, STEPS, MOST = 3, 40.0, (30.0, 15.0), 12  # [-], [m/s], [m/s], [-]
@@ -90,7 +91,7 @@ def six_shots(velocity: ArrayLike, perforated: ArrayLike) -> SixShots:
     hit = np.asarray(perforated, bool)
     chosen = _choose_pairs(V[~hit].tolist(), V[hit].tolist())
     if len(chosen) < 2 * PAIRS:
-        reason = f"{np.sum(~hit)} shots stopped and {np.sum(hit)} perforated"
+        reason = f"{counted(int(np.sum(~hit)), 'shot')} stopped and {np.sum(hit)} perforated"
         return SixShots(reason=reason, doubt=doubt_outcomes(V, hit))
     spread = max(chosen) - min(chosen)
     met = next((width for width in SPREADS if round(spread / FOOT, 3) <= width), None)

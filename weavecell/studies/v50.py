@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base import run_cache
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
@@ -371,7 +372,7 @@ def choose_yarns(
     unzipped = sum("unzipping" in shot.doubtful for shot in look.shots)
     if not unzipped:
         return chosen
-    return Choice(True, f"pinned ones unzip in {unzipped} of the first {batch} shots")
+    return Choice(True, f"pinned ones unzip in {unzipped} of the first {counted(batch, 'shot')}")
 
 
 def _as_fired(setup):

@@ -282,7 +282,7 @@ def test_a_deck_names_every_key_of_the_scene_that_it_leaves_out(tmp_path, to, fa
     assert keys == ["panel.yarn_failure"] * nothing + wanted
     written = " ".join((tmp_path / "out" / folder.CODES[to].names("pack")[0]).read_text().split())
     for key in keys:
-        assert key in str(made).rpartition("left out of the scene:")[2]
+        assert key in str(made).rpartition("left out of the input file:")[2]
         assert key in written
 
 

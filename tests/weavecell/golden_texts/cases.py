@@ -7,6 +7,7 @@ import contextlib
 import csv
 import io
 import json
+import os
 import re
 import shlex
 import tempfile
@@ -32,6 +33,15 @@ TESTS = """velocity [m/s], outcome, residual velocity [m/s]
 112, PP, 0
 150, CP, 101
 """
+SHEET = """key, warp, weft, source, status
+linear_density, 1100 dtex, , data sheet of the yarn, measured
+fibre_density, 1.44 g/cm^3, , data sheet of the yarn, measured
+modulus, 90 GPa, 84 GPa, data sheet of the yarn, measured
+tenacity, 2060 mN/tex, , data sheet of the yarn, measured
+failure_strain, 3.3 %, , data sheet of the yarn, measured
+count, 8.5 / cm, 9 / cm, data sheet of the fabric, measured
+thickness, 0.30 mm, , data sheet of the fabric, measured
+"""
 # values that differ from run to run, by the names of their keys
 CHANGING = re.compile(
     r"step_time|wall|cpu|second|date|commit|version|python|platform|provenance|seconds_of|sha"
@@ -41,6 +51,7 @@ MASKED = [
     (re.compile(r"\b20\d\d-\d\d-\d\d([T ]\d\d:\d\d(:\d\d)?)?\S*"), "DATE"),
     (re.compile(r"\b[0-9a-f]{7,64}\b(?<![0-9]{7})"), "DIGEST"),
     (re.compile(r"(?<=weavecell )\d+\.\d+\.\d+\S*"), "VERSION"),
+    (re.compile(r"(Version |version = \{)[\d.]+\w*"), r"\1VERSION"),
 ]
 PROGRESS = re.compile(r"\d %, \d\d:\d\d|compiling the kernels of")
 FLOAT = re.compile(r"-?\d+\.\d+(?:e[+-]?\d+)?")
@@ -86,17 +97,37 @@ def write(names):
             (HERE / "texts" / f"{name}.txt").write_text(text_of(name), "utf-8")
 
 
+def write_records():
+    """Write records of a laboratory to this folder: shots, a ply between platens, a flight, a data sheet."""
+    Path("tests.csv").write_text(TESTS)
+    Path("sheet.csv").write_text(SHEET)
+    force = np.geomspace(10, 7000, 40)
+    closed = 0.33 * (10 ** (-1 / 3) - force ** (-1 / 3))
+    _write_columns("ply.csv", "force [N], displacement [mm]", force, closed)
+    time = np.arange(0, 200, 2.0)
+    # what it is read with is no exact parabola: the noise of one is that of the processor
+    flown = 0.1 * time - 1e-4 * time**2 + 3e-3 * np.sin(3 * time)
+    _write_columns("flight.csv", "time [us], displacement [mm]", time, flown)
+
+
+def _write_columns(name, heading, *columns):
+    rows = (", ".join(f"{value}" for value in row) for row in zip(*columns))
+    Path(name).write_text("\n".join([heading, *rows]))
+
+
 def text_of(name):
     """The text of a case, which is run in this folder."""
     case = CASES[name]
     for scene in case.get("scenes", ()):
         Path(f"{scene}.toml").write_text(toml(_TABLES["scene"][scene]))
-    Path("tests.csv").write_text(TESTS)
+    write_records()
     parts = []
     smaller = contextlib.nullcontext()
     if name == "calibrate":
         smaller = small_calibration()
-    with invented(), smaller:
+    # of the terminal, by which tables are folded
+    wide = mock.patch.dict(os.environ, COLUMNS="80")
+    with invented(), smaller, wide:
         for line in case["lines"]:
             parts += [f"$ weavecell {line}", *_printed(line)]
         if "out" in case:
@@ -163,6 +194,8 @@ def _folder(folder, rows):
             for row in csv.reader(text.splitlines()[:rows]):
                 yield ", ".join(FLOAT.sub(_three_digits, value) for value in row)
             yield f"{len(text.splitlines())} lines"
+        elif path.suffix == ".toml" and path.name != "scene.toml" and path.parts[0] != "inputs":
+            yield f"== {path}\n" + (folder / path).read_text("utf-8")
         elif path.suffix == ".html":
             yield f"== {path}\n" + "\n".join(_sentences(text))
         elif path.suffix == ".svg":

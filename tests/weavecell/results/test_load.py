@@ -9,11 +9,15 @@ import pandas.testing
 import pytest
 
 import weavecell as wc
+from fabrics import catalogue
 from fabrics.base.errors import InputError
+from fabrics.compression import CompressionLaw
+from tests.scene_text import toml
 from tests.weavecell.golden_texts import cases
 from tests.weavecell.session_runs import small_calibration
 from weavecell.report import installed
 from weavecell.results import keys, one_table
+from weavecell.studies import ballistic_limit
 
 MADE_TESTS = Path(__file__).parents[3] / "examples" / "records" / "glass-biaxial.csv"
 SHORT = {"opening": "20 mm", "end_time": "10 us"}
@@ -62,9 +66,6 @@ def test_shots_in_one_picture(shots):
     np.testing.assert_allclose(axes[1].lines[0].get_ydata(), 1e3 * first.deflection)
 
 
-TESTS = (
-    "velocity [m/s], outcome, residual velocity [m/s]\n90, PP,\n124, CP, 31\n105, CP,\n112, PP,\n"
-)
 SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
 OVER = {"panel.opening": ["40 mm", "0.05 m"], "panel.plies": [1, 2]}
 # {kind of result: how to make it}; shots of studies are invented
@@ -115,17 +116,63 @@ def test_a_loaded_result_has_the_table_of_the_live_one(name, tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     # pages have their own tests
     monkeypatch.setattr(installed, "can_draw", lambda: False)
-    force = np.geomspace(10, 7000, 40)
-    closed = 0.33 * (10 ** (-1 / 3) - force ** (-1 / 3))
-    write_columns("ply.csv", "force [N], displacement [mm]", force, closed)
-    time = np.arange(0, 200, 2.0)
-    write_columns("flight.csv", "time [us], displacement [mm]", time, 0.1 * time - 1e-4 * time**2)
-    Path("tests.csv").write_text(TESTS)
+    cases.write_records()
     with cases.invented():
         live = MADE[name]("before")
     shutil.move("before", "moved")
     loaded = wc.load("moved")
     check_kept(live, loaded)
+
+
+OWN = {
+    "fabric": {"file": "data/mine.toml", "law": "law.json"},
+    "projectile": {
+        "mass": "2 g",
+        "diameter": "5.5 mm",
+        "edge_radius": "0.3 mm",
+        "strike_velocity": "150 m/s",
+    },
+    "panel": {"opening": "50 mm"},
+    "run": {"end_time": "10 us", "elements_per_crossover": 1},
+}
+# studies that go on from the runs in their folder; shots and coupons: test_result_folder.py
+STUDIES = {
+    "critical_velocity": lambda of, **more: wc.critical_velocity(of, residual_shots=1, **more),
+    "v50": lambda of, **more: wc.v50(of, shots=8, batch=4, **more),
+    "difference": lambda of, **more: wc.compare(of, "S-720", shots=6, opening="50 mm", **more),
+    "sweep": lambda of, **more: wc.sweep(of, over=OVER, quantity="critical-velocity", **more),
+    "comparison": lambda of, **more: wc.reduce_tests("tests.csv", of, **more),
+}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_moved_study_of_an_own_fabric_is_loaded_cited_drawn_and_resumed(
+    name, tmp_path, monkeypatch
+):
+    """Its fabric and law are gone; nothing is fired again."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(installed, "can_draw", lambda: False)
+    cases.write_records()
+    text = (Path(catalogue.__file__).parent / "S-728.toml").read_text("utf-8")
+    Path("here/data").mkdir(parents=True)
+    Path("here/data/mine.toml").write_text(text.replace('"S-728"', '"mine"', 1))
+    CompressionLaw(4.45e-5, 6.47e-5).to_json("here/law.json")
+    Path("here/own.toml").write_text(toml(OWN))
+    with cases.invented():
+        live = STUDIES[name]("here/own.toml", out="before")
+    shutil.move("before", "moved")
+    shutil.rmtree("here")
+    loaded = wc.load("moved")
+    check_kept(live, loaded)
+    assert "mine" in str(wc.cite("moved"))
+    if name in ("critical_velocity", "v50"):
+        assert len(wc.overlay(loaded, live).axes[0].lines) > 1
+    if name == "difference":
+        # its two inputs are given again, and one is gone
+        return
+    monkeypatch.setattr(ballistic_limit, "_fire", None)
+    again = STUDIES[name]("moved/scene.toml", out="moved", resume=True)
+    pandas.testing.assert_frame_equal(again.to_dataframe(), live.to_dataframe())
 
 
 SMALL_CELL = {"mesh": "3,2,2"}
@@ -169,12 +216,6 @@ def check_kept(live, loaded):
         declared.add("rows")
     found = [name for name in loaded.content if not any(fnmatch(name, one) for one in declared)]
     assert found == []
-
-
-def write_columns(name, heading, *columns):
-    """Write a file of two columns."""
-    rows = (", ".join(f"{value}" for value in row) for row in zip(*columns))
-    Path(name).write_text("\n".join([heading, *rows]))
 
 
 def test_a_column_of_texts_keeps_those_that_look_like_numbers_or_like_nothing(tmp_path):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fabrics.base.checks import FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from weavecell.report import chapters, pictures, pictures_body, pictures_histories
 from weavecell.report.page import Card, Figure, Section, Table
@@ -543,7 +544,7 @@ def _block(record):
     part = "its modelled part"
     if block.share == 1:
         part = "the block"
-    lead += f"{int(block.gone.sum())} bricks of {part} are eroded."
+    lead += f"{counted(int(block.gone.sum()), 'brick')} of {part} are eroded."
     caption = (
         "The block cut along the warp through the impact point, at the end of the run, to scale. The depth of every "
         "node of its face is in histories.h5 under /backing/depth_map."
