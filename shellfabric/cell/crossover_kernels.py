@@ -25,6 +25,12 @@ where
 
 which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata
 E-05, E-06, E-09, E-10).
+
+A yarn under tension gives way less: its fibres cannot move aside. With the stiffening s and the
+yarn's strain e, the force at one compression grows in proportion, F = (1 + s e) f(d), where f is
+the law. The work of compression then depends on the length of the yarn, (1 + s e) u(d), so that in
+the variational form the yarn pulls harder by its slope, q s u(d) / S0. The equilibrium form leaves
+that out.
 """
 
 import math
@@ -113,6 +119,35 @@ def contact_force(w, h, yarn, crossover):
 
 
 @kernel()
+def stiffness_factor(S, yarn):
+    """Return 1 + s e, by which a yarn of the length S withstands compression more than at rest."""
+    return 1.0 + yarn.stiffening * max(S - yarn.S0, 0.0) / yarn.S0
+
+
+@kernel()
+def carried_force(w, h, F, yarn, crossover):
+    """Compute the contact force that a yarn at height h carries if F compresses it, and its slopes
+    by h and by F."""
+    force, slope, _ = contact_force(w, h, yarn, crossover)
+    if yarn.stiffening == 0.0 or crossover.form == EQUILIBRIUM:
+        return force, slope, 0.0
+    S, dS = length(w, h, crossover)
+    curvature = arc_curvature(w, h)
+    if crossover.straight:
+        curvature = straight_curvature(w, h)
+    factor = stiffness_factor(S, yarn)
+    growth = yarn.stiffening / yarn.S0
+    at_rest = F / factor
+    stored = compression_energy(at_rest, yarn.a, yarn.b, yarn.shift)
+    work = at_rest * compression(at_rest, yarn.a, yarn.b, yarn.shift)[1]
+    # the force that would compress a yarn at rest as much falls with the length
+    fall = at_rest * growth * dS / factor
+    force += growth * stored * dS
+    slope += growth * (stored * curvature - work * fall * dS)
+    return force, slope, growth * work / factor * dS
+
+
+@kernel()
 def height(w, F, yarn, lowest, crossover):
     """Solve for the height at which the yarn carries the contact force F > 0, from its free height
     `lowest`, and the slope dh/dF.
@@ -121,12 +156,12 @@ def height(w, F, yarn, lowest, crossover):
     """
     low = lowest
     high = lowest + 0.05 * w
-    while contact_force(w, high, yarn, crossover)[0] < F:
+    while carried_force(w, high, F, yarn, crossover)[0] < F:
         low = high
         high = 2.0 * high
     h = high
     for _ in range(_MAX_STEPS):
-        force, slope, _ = contact_force(w, h, yarn, crossover)
+        force, slope, _ = carried_force(w, h, F, yarn, crossover)
         if force > F:
             high = h
         else:
@@ -137,7 +172,8 @@ def height(w, F, yarn, lowest, crossover):
             h = 0.5 * (low + high)
         if abs(step) <= 1e-14 * w or high - low <= 1e-15 * w:
             break
-    return h, 1.0 / contact_force(w, h, yarn, crossover)[1]
+    _, slope, own = carried_force(w, h, F, yarn, crossover)
+    return h, (1.0 - own) / slope
 
 
 @kernel()
@@ -159,15 +195,35 @@ def compression_energy(F, a, b, shift):
 
 
 @kernel()
+def compression_at_height(F, w, h, yarn, crossover):
+    """Compute d_c of a yarn at height h, and its slopes by F and by h."""
+    if yarn.stiffening == 0.0:
+        d, slope = compression(F, yarn.a, yarn.b, yarn.shift)
+        return d, slope, 0.0
+    S, dS = length(w, h, crossover)
+    factor = stiffness_factor(S, yarn)
+    d, slope = compression(F / factor, yarn.a, yarn.b, yarn.shift)
+    return d, slope / factor, -slope * F / factor**2 * yarn.stiffening * dS / yarn.S0
+
+
+@kernel()
+def stored_by_compression(F, S, yarn):
+    """Compute the work of compression of a yarn of the length S up to the contact force F."""
+    factor = stiffness_factor(S, yarn)
+    return factor * compression_energy(F / factor, yarn.a, yarn.b, yarn.shift)
+
+
+@kernel()
 def residual(F, w, free, crossover):
     """Compute r(F) and its slope; w, free : (warp, weft) half lengths and free heights."""
     warp = crossover.warp
     weft = crossover.weft
     h1, c1 = height(w[0], F, warp, free[0], crossover)
     h2, c2 = height(w[1], F, weft, free[1], crossover)
-    d1, e1 = compression(F, warp.a, warp.b, warp.shift)
-    d2, e2 = compression(F, weft.a, weft.b, weft.shift)
-    return h1 + h2 + d1 + d2 + crossover.gap - warp.h0 - weft.h0, c1 + c2 + e1 + e2
+    d1, e1, f1 = compression_at_height(F, w[0], h1, warp, crossover)
+    d2, e2, f2 = compression_at_height(F, w[1], h2, weft, crossover)
+    slope = c1 + c2 + e1 + e2 + f1 * c1 + f2 * c2
+    return h1 + h2 + d1 + d2 + crossover.gap - warp.h0 - weft.h0, slope
 
 
 @kernel()
@@ -218,9 +274,14 @@ def forces_of_cell(w, crossover, solution):
     S2, dS2 = length(w[1], h2, crossover)
     T1, _ = tension(S1, dS1, warp)
     T2, _ = tension(S2, dS2, weft)
+    if crossover.form == VARIATIONAL:
+        # what balances the contact force: the fibres' tension and the growth of the work
+        if warp.stiffening > 0.0:
+            T1 = share_of_work(crossover) * F / dS1
+        if weft.stiffening > 0.0:
+            T2 = share_of_work(crossover) * F / dS2
     W = strain_energy(S1, warp) + strain_energy(S2, weft)
-    stored = compression_energy(F, warp.a, warp.b, warp.shift)
-    stored += compression_energy(F, weft.a, weft.b, weft.shift)
+    stored = stored_by_compression(F, S1, warp) + stored_by_compression(F, S2, weft)
     W += share_of_work(crossover) * stored
     N1 = T1
     N2 = T2

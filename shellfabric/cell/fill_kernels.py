@@ -9,7 +9,8 @@ and the heights h_i of both yarns are unknowns beside each other,
 
 with the contact force F_i of a yarn at its height; the step of F is that of the second equation
 with h_i eliminated by the first. Where the steps do not become small, or leave the range, the
-nested iterations solve the cell. What depends on one stretch alone is computed once a row or
+nested iterations solve the cell; so do they where compression depends on the strain of the yarns.
+What depends on one stretch alone is computed once a row or
 column. Results agree with the nested iterations' but for rounding.
 """
 
@@ -58,6 +59,8 @@ def close_cell(w, free, crossover, start):
     F, h1, h2 = start
     warp = crossover.warp
     weft = crossover.weft
+    if warp.stiffening > 0.0 or weft.stiffening > 0.0:
+        return -1.0, 0.0, 0.0
     full = filled_height(crossover) - crossover.gap
     for _ in range(_MAX_STEPS):
         F1, s1 = force_at_height(w[0], h1, warp, crossover)

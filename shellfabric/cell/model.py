@@ -56,6 +56,8 @@ class CellModel:
         that nothing stores
     centreline : "cosine" (thesis eq. 4-1), of yarns that touch along most of their length, or
         "straight" from crossing to crossing (Kawabata), of a loose weave
+    stiffening : [-] growth of a yarn's resistance to compression with its strain e, by the factor
+        1 + stiffening e; 0 is the law of `laws` at every strain
     slack : (warp, weft) [-] strain by which the foot of a yarn's tension curve lies off
         (`yarn_kernels`); 0 is the straight line of the fabric's data
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength;
@@ -73,6 +75,7 @@ class CellModel:
     cell_model: str = "compressible"
     cell_formulation: str = "variational"
     centreline: str = "cosine"
+    stiffening: float = 0.0
     slack: tuple[float, float] = (0.0, 0.0)
     reach: float = 1.0
 
@@ -83,6 +86,8 @@ class CellModel:
                 refuse(self, key, " or ".join(names))
         if not all(0 <= one < 1 for one in self.slack):
             refuse(self, "slack", "at least 0 and below 1, of warp and weft")
+        if not 0 <= self.stiffening < np.inf:
+            refuse(self, "stiffening", "at least 0")
         if not 1 <= self.reach < np.inf:
             refuse(self, "reach", "at least 1")
         if not 0 <= self.crossover_gap <= sum(self.h0):
@@ -125,6 +130,7 @@ class CellModel:
                 a=law.a,
                 b=law.b,
                 shift=shift,
+                stiffening=self.stiffening,
             )
             found.append(yarn)
         return tuple(found)

@@ -16,6 +16,7 @@ class CellYarn(Row):
     a = number("m", "law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12); 0: none")
     b = number("m N^(1/3)", "factor in it")
     shift = number("N", "(b / a)^3 of a regularised law, 0 of the printed one")
+    stiffening = number("-", "growth of the force at one compression with the yarn's strain")
 
 
 class Crossover(Row):

@@ -17,7 +17,10 @@ from weavecell.studies.biaxial_tests import BiaxialTest
 K = (0.5, 1.0, 2.0)
 # what the thesis names as causes of its misses, as far as the cell has it: keywords of `choice`
 FEET = [0.0005, 0.0005]
+# resistance to compression doubles at a strain of 1 %, near which these yarns fail
+STIFFENING = 100.0
 CAUSES: Values = {
+    "stiffer with strain": {"cell": {"stiffening": STIFFENING}},
     "straight yarns": {"cell": {"centreline": "straight"}},
     "feet": {"cell": {"slack": FEET}},
     "straight yarns, feet": {"cell": {"centreline": "straight", "slack": FEET}},

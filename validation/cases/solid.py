@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -49,6 +50,7 @@ def _numerics(factors: Mapping[str, float], **fields: Any) -> Numerics:
 def paths(
     *,
     ends: Mapping[str, Sequence[float]],
+    fabric: str = FABRIC,
     size: Sequence[int] = (8, 6, 2),
     domain: str = "quarter",
     section: str | None = None,
@@ -60,11 +62,12 @@ def paths(
     steps: Mapping[str, float] | None = None,
     solids: Mapping[str, float] | None = None,
 ) -> Values:
-    """Pull a crossover of S-720, meshed, formulated and stepped in one way, along paths.
+    """Pull a crossover, meshed, formulated and stepped in one way, along paths.
 
     Parameters
     ----------
     ends : {path: (d1, d2)} [m] end displacements at which they stop
+    fabric : name
     size, domain, section, tip : of `meshing.crossover.build`; tip is its tip_thickness_ratio
     equal_bars : whether all fibre bars have one area, and not what is nearest to each
     one_point : one-point integration of the solids
@@ -75,17 +78,18 @@ def paths(
     Returns
     -------
     dict with "T1, PATH", "T2, PATH", "F_c, PATH" [N] at the ends; a [m], b [m N^(1/3)] of the law fitted to them, None
-    where none can be; unknowns
+    where none can be; unknowns; cpu [s]
 
     Raises
     ------
     UnstableError : a path that does not reach its end
     """
-    fabric = scale_solids(catalogue.load(FABRIC), dict(solids or {}))
+    began = time.process_time()
+    given = scale_solids(catalogue.load(fabric), dict(solids or {}))
     options: Values = {}
     if tip is not None:
         options["tip_thickness_ratio"] = tip
-    mesh = crossover.build(fabric, domain=domain, size=tuple(size), section=section, **options)
+    mesh = crossover.build(given, domain=domain, size=tuple(size), section=section, **options)
     if equal_bars:
         mesh = replace(
             mesh, bar_area=tuple(np.full_like(area, area.mean()) for area in mesh.bar_area)
@@ -97,7 +101,7 @@ def paths(
     unknowns = 0
     values: dict[str, float] = {}
     for name, end in ends.items():
-        model = CrossoverModel(mesh, fabric, numerics, integration=INTEGRATION[one_point])
+        model = CrossoverModel(mesh, given, numerics, integration=INTEGRATION[one_point])
         load: Any = tuple(end)
         history = follow(model, [Load(), Load(load)], row(model), steps=stepping)
         if history.failed:
@@ -109,7 +113,14 @@ def paths(
         law = fitted(*histories)
     except InputError:
         law = None
-    return {"values": values, "a": law and law.a, "b": law and law.b, "unknowns": unknowns}
+    cpu = time.process_time() - began
+    return {
+        "values": values,
+        "a": law and law.a,
+        "b": law and law.b,
+        "unknowns": unknowns,
+        "cpu": cpu,
+    }
 
 
 @cache

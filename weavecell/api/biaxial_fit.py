@@ -232,9 +232,10 @@ class BiaxialFitResult(Result):
     @property
     def is_of_shots(self) -> bool:
         """Whether a shot has this very cell with law.json alone: cosines of linear yarns without
-        play."""
+        play, whose compression does not depend on their strain."""
         model = self.fit.model
-        return model.centreline == "cosine" and not any(model.slack) and not model.crossover_gap
+        others = (*model.slack, model.crossover_gap, model.stiffening)
+        return model.centreline == "cosine" and not any(others)
 
     @cached_property
     def surface(self) -> ResponseSurface:

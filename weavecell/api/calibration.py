@@ -254,8 +254,9 @@ def calibrate(
     biaxial : file of biaxial tests (``*.csv``), which the law is fitted to in place of the 3D crossover
     fitted : name of a test of that file that is fitted, may be given again, in Python a list; all
         if none is given
-    constants : what is fitted to them, separated by commas: a, b, h (both heights at rest), warp
-        crimp, weft crimp, start (where each test begins); "a, b" if not given
+    constants : what is fitted to them, separated by commas: a, b, stiffening (of the law of
+        compression with the yarn's strain), h (both heights at rest), warp crimp, weft crimp, start
+        (where each test begins); "a, b" if not given
     centreline : cosine, or straight from crossing to crossing as Kawabata has it, for loose weaves
     yarn_curve : tensile curve of a yarn whose foot at low strain counts, FAMILY=FILE such as
         warp=yarn.csv, or both=yarn.csv; a CSV file headed, for example, "strain [%], force [N]"; may

@@ -5,6 +5,8 @@ test whose other direction is free. Free constants are any of
 
     a, b                     of the law of compression d_c = a - b / (F + F0)^(1/3), one for both yarns
     h                        [m] heights at rest of both yarns together, at most those of the crimp
+    stiffening               [-] s, by which the force at one compression grows with the yarn's
+                             strain e, F = (1 + s e) f(d)
     warp crimp, weft crimp   [-] with the yarns' own stiffness as it is
     start                    [-] of each test, by which its strains begin too late: the machine's
                              zero is where sagging yarns come to lie in one plane
@@ -47,8 +49,9 @@ from shellfabric.membrane.indicator import Check, Indicator
 from weavecell.studies.biaxial_tests import DIRECTIONS, BiaxialTest
 from weavecell.studies.contact_share import judge_centreline
 
-CONSTANTS = ("a", "b", "h", "warp crimp", "weft crimp", "start")
-UNITS = {"a": "m", "b": "m N^(1/3)", "h": "m", "warp crimp": "%", "weft crimp": "%"}
+CONSTANTS = ("a", "b", "stiffening", "h", "warp crimp", "weft crimp", "start")
+UNITS = {"a": "m", "b": "m N^(1/3)", "stiffening": "1", "h": "m"}
+UNITS |= dict.fromkeys(("warp crimp", "weft crimp"), "%")
 CONFIDENCE = 0.95
 # [-] rms of a prediction over the greatest load: what the thesis calls good agreement is not put in
 # numbers; tests of one weave differ by about as much
@@ -80,6 +83,9 @@ PREDICTION = Check(
 # of the start of the fit: a over the heights, F0 over the strength of the weaker yarn
 FIRST_A = (0.08, 0.2, 0.4)
 FIRST_F0 = (1e-4, 1e-3, 1e-2, 1e-1)
+# [-] stiffening: of the start, and bounds; 100 doubles the force at a strain of 1 %
+FIRST_STIFFENING = 20.0
+STIFFENINGS = (0.1, 1e3)
 PASSES = 3
 # residual of constants with which a cell does not close
 NOT_CLOSED = 1e3
@@ -343,7 +349,10 @@ class _Problem:
             a = values.get("a", laws and laws[0].a)
             law = CompressionLaw(a, values.get("b", laws and laws[0].b))
             laws = (law, law)
-        cell = replace(self.model, fabric=fabric, laws=laws, crossover_gap=0.0)
+        stiffening = values.get("stiffening", self.model.stiffening)
+        cell = replace(
+            self.model, fabric=fabric, laws=laws, stiffening=stiffening, crossover_gap=0.0
+        )
         gap = self.model.crossover_gap
         if "h" in values:
             gap = max(sum(cell.h0) - values["h"], 0.0)
@@ -370,6 +379,7 @@ class _Problem:
         """(lowest, highest) of x."""
         low = {"a": 1e-4 * self.heights, "b": 1e-6 * self.heights, "h": 0.2 * self.heights}
         high = {"a": 0.999 * self.heights, "b": 1e3 * self.heights, "h": self.heights}
+        low["stiffening"], high["stiffening"] = STIFFENINGS
         low |= dict.fromkeys(("warp crimp", "weft crimp"), 1e-5)
         high |= dict.fromkeys(("warp crimp", "weft crimp"), 0.5)
         # a start of more than the crimp would be another test
@@ -382,7 +392,7 @@ class _Problem:
         """The best of some first guesses."""
         yarns = self.model.fabric.weave.yarns
         known = dict(zip(("warp crimp", "weft crimp"), (yarn.crimp for yarn in yarns)))
-        known["h"] = 0.98 * self.heights
+        known |= {"h": 0.98 * self.heights, "stiffening": FIRST_STIFFENING}
         strength = min(yarn.strength for yarn in yarns)
         laws = [
             (share * self.heights, share * self.heights * (part * strength) ** (1 / 3))

@@ -1,10 +1,11 @@
-"""The cell of straight yarns, and yarns whose tension curve has a foot, against plain twins."""
+"""The cell of straight yarns, yarns whose tension curve has a foot, and compression that depends on their strain,
+against plain twins."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
@@ -15,6 +16,7 @@ FABRIC = catalogue.load("glass-unbalanced")
 LAWS = (CompressionLaw(2.1e-4, 1.6e-4), CompressionLaw(0.9e-4, 0.7e-4))
 SLACK = (6e-4, 2e-4)
 GAP = 1.5e-5
+STIFFENING = 130.0
 # [-] strains of warp and weft; crimp is 0.42 and 0.65 %
 STRAINS = [(0.004, 0.008), (0.009, 0.002), (0.006, -0.001), (0.0, 0.009)]
 
@@ -33,14 +35,18 @@ def polyline(w, h):
     return 2 * np.hypot(w, h)
 
 
-def plain_twin(strains):
-    """(T1, T2, F) of the triangle of forces at a crossing: F = 2 T h / sqrt(w^2 + h^2)."""
+def plain_twin(strains, stiffening=0.0):
+    """(T1, T2, F) of the triangle of forces at a crossing: F = 2 T h / sqrt(w^2 + h^2), (1 + s e) times that of the
+    law of compression."""
     weave = FABRIC.weave
     w = [half * (1 + strain) for half, strain in zip(weave.w, strains)]
     rest = [np.sqrt((S0 / 2) ** 2 - half**2) for half, S0 in zip(weave.w, weave.S0)]
 
+    def strain(m, h):
+        return polyline(w[m], h) / weave.S0[m] - 1
+
     def pulled(m, h):
-        return tension(m, polyline(w[m], h) / weave.S0[m] - 1)
+        return tension(m, strain(m, h))
 
     def height(m, F):
         least = np.sqrt(max((weave.S0[m] / 2) ** 2 - w[m] ** 2, 0))
@@ -48,8 +54,11 @@ def plain_twin(strains):
         return brentq(off, least, w[m], xtol=1e-16, rtol=1e-13)
 
     def closing(F):
-        squeezed = sum(float(law.d(F)) for law in LAWS)
-        return height(0, F) + height(1, F) + squeezed + GAP - sum(rest)
+        heights = [height(m, F) for m in range(2)]
+        squeezed = sum(
+            float(law.d(F / (1 + stiffening * strain(m, heights[m])))) for m, law in enumerate(LAWS)
+        )
+        return sum(heights) + squeezed + GAP - sum(rest)
 
     F = brentq(closing, 1e-9, 1e3, rtol=1e-12)
     return pulled(0, height(0, F)), pulled(1, height(1, F)), F
@@ -65,9 +74,66 @@ def test_straight_yarns_with_feet_against_a_plain_twin(strains):
     assert_allclose([float(other[name]) for name in ("T1", "T2", "F")], got, rtol=1e-10)
 
 
+@pytest.mark.parametrize("strains", STRAINS[1:3])
+def test_compression_that_depends_on_the_strain_against_a_plain_twin(strains):
+    cell = model(cell_formulation="equilibrium", stiffening=STIFFENING)
+    found = cell.solve(*(1 + np.array(strains)))
+    got = [float(found[name]) for name in ("T1", "T2", "F")]
+    assert_allclose(got, plain_twin(strains, STIFFENING), rtol=1e-7, atol=1e-9)
+    # without it the contact force is another
+    assert abs(got[2] / plain_twin(strains)[2] - 1) > 0.02
+
+
+def test_stiffer_yarns_settle_where_their_energy_is_least():
+    """The heights of the variational form, beside those of the least energy of yarns and laws."""
+    cell = CellModel(FABRIC, LAWS, GAP, centreline="straight", stiffening=STIFFENING)
+    weave = FABRIC.weave
+    stretch = 1 + np.array(STRAINS[1])
+    w = weave.w * stretch
+    room = sum(cell.h0) - GAP
+
+    def energy(x):
+        h = np.array(x[:2])
+        d = np.array([x[2], room - h.sum() - x[2]])
+        if (d < 0).any() or any(d >= [law.a for law in LAWS]):
+            return np.inf
+        e = polyline(w, h) / weave.S0 - 1
+        if (e < 0).any():
+            return np.inf
+        of_yarns = sum(
+            0.5 * yarn.EA * strain**2 * S0 for yarn, strain, S0 in zip(weave.yarns, e, weave.S0)
+        )
+        of_laws = [law.energy(one) for law, one in zip(LAWS, d)]
+        return of_yarns + np.dot(1 + STIFFENING * e, of_laws)
+
+    found = cell.solve(*stretch)
+    h = [float(found["h1"]), float(found["h2"])]
+    # the solver begins away from what it is held against
+    start = [1.1 * h[0], 1.02 * h[1], 0.5 * (room - 1.1 * h[0] - 1.02 * h[1])]
+    scale = 1e-4
+    least = minimize(
+        lambda x: 1e4 * energy(scale * x),
+        np.array(start) / scale,
+        method="Nelder-Mead",
+        options={"xatol": 1e-9, "fatol": 1e-14, "maxiter": 4000, "maxfev": 4000},
+    )
+    assert_allclose(scale * least.x[:2], h, rtol=2e-5)
+    assert float(found["W"]) == pytest.approx(1e-4 * least.fun, rel=1e-8)
+
+
+def test_a_grid_of_stiffer_yarns_has_the_cells_own_states():
+    cell = model(stiffening=STIFFENING)
+    x, y = 1 + np.linspace(0, 0.012, 4), 1 + np.linspace(0, 0.008, 3)
+    found = cell.solve_grid(x, y)
+    exact = cell.solve(*np.meshgrid(x, y, indexing="ij"))
+    for name in ("T1", "T2", "F", "W"):
+        assert_allclose(found[name], exact[name], rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("stiffening", [0.0, STIFFENING])
 @pytest.mark.parametrize("centreline", ["straight", "cosine"])
-def test_forces_are_the_gradient_of_the_energy(centreline):
-    cell = CellModel(FABRIC, LAWS, GAP, centreline=centreline, slack=SLACK)
+def test_forces_are_the_gradient_of_the_energy(centreline, stiffening):
+    cell = CellModel(FABRIC, LAWS, GAP, centreline=centreline, slack=SLACK, stiffening=stiffening)
     stretch = 1 + np.array([*STRAINS[:2], (0.017, 0.003)]).T
     found = cell.solve(*stretch)
     step = 1e-6
@@ -100,7 +166,9 @@ def test_a_foot_shifts_the_line_by_its_width():
         assert float(cell.alone(m, near)) == pytest.approx(5e-7 * slack * yarn.EA, rel=1e-3)
 
 
-@pytest.mark.parametrize("bad", [{"centreline": "sine"}, {"slack": (0.0, -1e-3)}])
+@pytest.mark.parametrize(
+    "bad", [{"centreline": "sine"}, {"slack": (0.0, -1e-3)}, {"stiffening": -1.0}]
+)
 def test_what_is_not_allowed(bad):
     with pytest.raises(InputError, match=next(iter(bad))):
         CellModel(FABRIC, LAWS, **bad)

@@ -146,6 +146,23 @@ def test_starts_crimps_and_heights_come_back():
     assert (found.law.a, found.law.b) == (TRUTH.a, TRUTH.b)
 
 
+def test_a_stiffening_by_the_strain_comes_back():
+    true = 160.0
+    tests = made(
+        replace(CELL, stiffening=true), ("across", "even", "along"), noise=NOISE / 20, rows=15
+    )
+    found = fitted(tests, constants=["a", "b", "stiffening"])
+    stiffening = found.values["stiffening"]
+    assert stiffening.low < true < stiffening.high
+    assert stiffening.value == pytest.approx(true, rel=0.25)
+    assert found.model.stiffening == stiffening.value
+    # a cell without it follows the same tests less closely
+    plain = fitted(tests)
+    assert np.nanmax([one.rms for one in plain.comparisons]) > 1.5 * np.nanmax(
+        [one.rms for one in found.comparisons]
+    )
+
+
 def test_a_cell_unlike_the_cloth_says_so():
     """Tests of straight yarns with feet, fitted by cosines of linear yarns, and by the cell that they are of."""
     cloth = replace(CELL, centreline="straight", slack=(8e-4, 5e-4))
