@@ -32,7 +32,7 @@ import ast
 import json
 import re
 import tomllib
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib import resources
 from math import pi
@@ -123,8 +123,8 @@ class Claim:
     untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
     verdict : recorded one of `judge.VERDICTS`, with which the claim has to end
-    turn : {"change": an input that is changed by 5 to 10 %, in words; "run", "let": in place of those
-        of the claim}, by which a reproduced claim is missed
+    factors : {input: factor} that change it, of `cloth` and "velocity" of its runs; of no claim as
+        it stands (`turns`)
     """
 
     id: str
@@ -149,19 +149,7 @@ class Claim:
     unbuilt: str = ""
     cause: str = ""
     verdict: str = ""
-    turn: Values = field(default_factory=dict)
-
-    @property
-    def turned(self) -> Claim:
-        """The claim with the changed input of `turn`, which has to be missed."""
-        return replace(
-            self,
-            run=self.run | self.turn.get("run", {}),
-            let=self.let | self.turn.get("let", {}),
-            quantity=f"{self.quantity}, with {self.turn['change']}",
-            verdict="missed",
-            turn={},
-        )
+    factors: Values = field(default_factory=dict)
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:

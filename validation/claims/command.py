@@ -1,15 +1,17 @@
 """The ledger of the thesis's claims: every claim that is a number, an order, a trend, a shape or an outcome, judged.
 
     python -m validation claims --topics impact1 cell
-    python -m validation claims biaxial-order-k --turned
+    python -m validation claims biaxial-balanced-free --turned
 
 A missed claim is a result, not an error; a result other than the recorded one ends with exit code 1. Claims that rest
 on shots at one ply are judged as computed and in four variants: the cell formulation of the thesis, nominal denier, 2
 elements per crossover, elastic-plastic bored projectile.
 
 claims.csv has every claim with its verdict, our number beside the thesis's. `--out docs/reports/data` renews that of
-the documentation; then `python tools/pages.py`. Claims that are named are printed with what was computed; `--turned`
-changes an input of each by 5 to 10 %, as its entry says, by which the verdict has to turn. What is computed is kept in
+the documentation; then `python tools/pages.py`. Claims that are named are printed with what was computed.
+
+`--find-turns` looks for an input whose change by a tenth turns the verdict of each (`turns`), and writes
+claims-turns.csv; `--turned` judges with the change that this file of the documentation has. What is computed is kept in
 results/claims, and taken from there by the same code.
 """
 
@@ -18,17 +20,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from fabrics.base.errors import InputError, nearest
 from validation import origin, study
 from validation.claims import claims as data
-from validation.claims import judge, runner, table
+from validation.claims import judge, runner, table, turns
 from weavecell.cli.from_signature import CORES
 from weavecell.results import progress
 
 NOTES = {
     "ids": "of claims to judge alone",
-    "turned": "judge with the changed input of each claim that has one",
+    "turned": "judge with the changed input of each claim that one turns",
+    "find_turns": "look for the change that turns each; of claims that are named, or do not take long",
     "topics": "those to judge; all if none is given",
     "slow": "also those that take minutes each",
     "no_variants": "as computed alone, not in the variants",
@@ -41,6 +45,7 @@ def main(
     ids: Sequence[str] = (),
     *,
     turned: bool = False,
+    find_turns: bool = False,
     topics: Sequence[str] = (),
     slow: bool = False,
     no_variants: bool = False,
@@ -64,8 +69,10 @@ def main(
     claims = [claim for claim in data.load() if not topics or claim.topic in topics]
     if ids:
         claims = [claim for claim in claims if claim.id in ids]
+    if find_turns:
+        return write_turns(claims, out, bool(ids), jobs=jobs, executor=executor)
     if turned:
-        claims = [claim.turned for claim in claims if claim.turn]
+        claims = turns.turned(claims)
     with progress.bar(f"{len(claims)} claims") as advance:
         records = runner.validate(
             claims,
@@ -86,6 +93,31 @@ def main(
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
     print(f"written to {out}/claims.csv", flush=True)
     return tell_changed(claims, records)
+
+
+def write_turns(claims: Sequence[data.Claim], out: Path, named: bool, **pool: Any) -> int:
+    """Look for the changes that turn claims and write claims-turns.csv, in which rows of other
+    claims stay; return the exit code."""
+    chosen = [claim for claim in claims if named or not (claim.slow or runner.is_long(claim))]
+    path = out / turns.FILE
+    kept = {}
+    if path.exists():
+        kept = {row["id"]: row for row in study.read(path)[1]}
+    with progress.bar(f"{len(chosen)} claims") as advance:
+        rows = turns.search(
+            chosen,
+            KEPT / "runs",
+            lambda done, total: advance(done / max(total, 1)),
+            **pool,
+        )
+    kept |= {row["id"]: row for row in rows}
+    reproduced = [claim.id for claim in data.load() if claim.verdict == judge.REPRODUCED]
+    inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
+    made = origin.write("claims --find-turns", inputs, origin.spent())
+    study.write(path, [kept[name] for name in reproduced if name in kept], made)
+    found = sum(row["change"] != turns.NONE for row in kept.values())
+    print(f"{found} of {len(kept)} claims are turned by a tenth of an input; written to {path}")
+    return 0
 
 
 def tell(claims: Sequence[data.Claim], records: Sequence[judge.Record]) -> int:

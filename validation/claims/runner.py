@@ -18,8 +18,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fabrics.base.errors import WeavecellError
-from validation.claims import checks, judge, runs
+from validation.claims import checks, cloth, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
 from validation.study import filled
@@ -35,6 +37,7 @@ VARIANTS: dict[str, Values] = {
     "that and an elastic-plastic bored projectile": OURS | {"projectile": {"body": "elastic_bar"}},
 }
 SHOTS = ("shot", "limit", "shots")
+FACTORS = "factors"  # keyword of a run whose fabrics are changed
 LONG = (
     "limit",
     "shots",
@@ -103,8 +106,11 @@ def validate(
 def compute(run: Run) -> Any:
     """Compute what a run comes to; an error of weavecell is a result too, which the claims
     report."""
+    keywords = json.loads(run.keywords)
+    factors = keywords.pop(FACTORS, {})
     try:
-        return getattr(runs, run.kind)(json.loads(run.of), **json.loads(run.keywords))
+        with cloth.changed(factors):
+            return getattr(runs, run.kind)(json.loads(run.of), **keywords)
     except WeavecellError as problem:
         return WeavecellError(f"{run.kind} {run.of} {run.keywords}: {problem}")
 
@@ -130,7 +136,8 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
                 results[name] = {key: done[run] for key, run in spec.items()}
             else:
                 results[name] = done[spec]
-        return judge.judge(claim, values(claim, results))
+        with cloth.changed(claim.factors):
+            return judge.judge(claim, values(claim, results))
     except WeavecellError as problem:
         return Record(claim.id, MISSED, miss=str(problem), note=str(problem))
     except Exception:
@@ -157,7 +164,25 @@ def runs_of(claim: Claim, variant: str | None = None) -> Values:
     changes = OF_THESIS
     if variant is not None:
         changes = VARIANTS[variant]
-    return {name: _specified(spec, names, changes) for name, spec in claim.run.items()}
+    found = {name: _specified(spec, names, changes) for name, spec in claim.run.items()}
+    if claim.factors:
+        return {name: _with_factors(spec, claim.factors) for name, spec in found.items()}
+    return found
+
+
+def _with_factors(spec, factors):
+    """A run, or each of a dict of runs, with changed inputs."""
+    if isinstance(spec, dict):
+        return {key: _with_factors(run, factors) for key, run in spec.items()}
+    keywords = json.loads(spec.keywords)
+    of_fabrics = dict(factors)
+    factor = of_fabrics.pop("velocity", 1.0)
+    for name in ("velocity", "velocities"):
+        if name in keywords:
+            keywords[name] = np.multiply(keywords[name], factor).tolist()
+    if of_fabrics:
+        keywords[FACTORS] = of_fabrics
+    return replace(spec, keywords=json.dumps(keywords, sort_keys=True))
 
 
 def is_long(claim: Claim) -> bool:
