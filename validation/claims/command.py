@@ -32,7 +32,7 @@ from weavecell.results import progress
 NOTES = {
     "ids": "of claims to judge alone",
     "turned": "judge with the changed input of each claim that one turns",
-    "find_turns": "look for the change that turns each; of claims that are named, or do not take long",
+    "find_turns": "look for the change that turns each; of claims that are named, or take no run",
     "topics": "those to judge; all if none is given",
     "slow": "also those that take minutes each",
     "no_variants": "as computed alone, not in the variants",
@@ -98,7 +98,7 @@ def main(
 def write_turns(claims: Sequence[data.Claim], out: Path, named: bool, **pool: Any) -> int:
     """Look for the changes that turn claims and write claims-turns.csv, in which rows of other
     claims stay; return the exit code."""
-    chosen = [claim for claim in claims if named or not (claim.slow or runner.is_long(claim))]
+    chosen = [claim for claim in claims if named or not claim.run]
     path = out / turns.FILE
     kept = {}
     if path.exists():

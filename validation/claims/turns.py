@@ -5,7 +5,7 @@ tenth, in all fabrics of the catalogue and in all of its runs, one after the oth
 has the change, or "none of N", and what was computed with it. Statements on order and sign, and identities, which hold
 of any fabric, are turned by none: mutants (tools/mutants.py) show that they can fail.
 
-Claims whose runs take long are looked through by name alone (`python -m validation claims ID --find-turns`).
+Claims that take runs are looked through by name alone (`python -m validation claims ID --find-turns`).
 """
 
 from __future__ import annotations
