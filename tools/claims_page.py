@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation.claims import claims, judge
+from validation.claims import claims, judge, turns
 from validation.claims.judge import BROKEN, MISSED, REPRODUCED, VERDICTS
 from validation.study import read
 
@@ -130,6 +130,19 @@ def open_claims() -> str:
                 [f"`{row['id']}`", row["published"], row["computed"], _sentence(row["cause"])]
             )
     return f"\n\n{markdown(found)}\n"
+
+
+def turned() -> str:
+    """Say how many of the reproduced claims a tenth of an input turns."""
+    looked = read(DATA.parent / turns.FILE)[1]
+    reproduced = counts(read(DATA)[1])[REPRODUCED]
+    found = [row for row in looked if row["change"] != turns.NONE]
+    by = Counter(row["change"].rsplit(" ", 2)[0] for row in found)
+    inputs = ", ".join(f"{name} {number}" for name, number in by.most_common())
+    return (
+        f" {len(looked)} of the {reproduced} reproduced claims have been looked through; of {len(found)} a change of an input by "
+        f"a tenth turns the verdict ({inputs}), of {len(looked) - len(found)} none does "
+    )
 
 
 def _sentence(text):

@@ -336,6 +336,7 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
         "verdicts": claims_page.verdicts,
         "missed claims": claims_page.missed,
         "open claims": claims_page.open_claims,
+        "turned claims": claims_page.turned,
     },
     "weavecell/api/keywords.py": {"keywords": keyword_class.text},
 }

@@ -40,6 +40,8 @@ OF_RUNS: tuple[Values, ...] = (
     {"E": 0.9},
 )
 NONE = "none"
+# claims of CPU times, which differ by more than a tenth from run to run
+OF_CLOCKS = ("future-lut-equals-iteration",)
 
 
 def search(
@@ -57,7 +59,9 @@ def search(
     -------
     A row a claim: id, change, factors as JSON, tried, computed and published.
     """
-    wanted = [claim for claim in claims if claim.verdict == judge.REPRODUCED]
+    wanted = [
+        claim for claim in claims if claim.verdict == judge.REPRODUCED and claim.id not in OF_CLOCKS
+    ]
     rows = []
     for number, claim in enumerate(wanted):
         report(number, len(wanted))
