@@ -140,8 +140,8 @@ def turned() -> str:
     by = Counter(row["change"].rsplit(" ", 2)[0] for row in found)
     inputs = ", ".join(f"{name} {number}" for name, number in by.most_common())
     return (
-        f" {len(looked)} of the {reproduced} reproduced claims have been looked through; of {len(found)} a change of an input by "
-        f"a tenth turns the verdict ({inputs}), of {len(looked) - len(found)} none does "
+        f" {len(looked)} of the {reproduced} reproduced claims have been looked through; of {len(found)} a change of "
+        f"an input by a tenth turns the verdict ({inputs}), of {len(looked) - len(found)} none does "
     )
 
 
