@@ -249,14 +249,17 @@ def test_a_fit_to_biaxial_tests_tells_its_constants_and_whether_shots_have_its_c
         Constant("a", 5e-5, 4e-5, 6e-5, "um"),
         Constant("b", 3e-5, 1e-6, 9e-5, "um N^(1/3)"),
     ]
-    model = SimpleNamespace(centreline="cosine", slack=(0.0, 0.0), crossover_gap=0.0)
+    model = SimpleNamespace(
+        centreline="cosine", slack=(0.0, 0.0), crossover_gap=0.0, stiffening=0.0
+    )
     fit = SimpleNamespace(model=model)
     given = SimpleNamespace(fit=fit, constants=constants)
     told = BiaxialFitResult.fitted_constants.fget(given)
     assert [told[name]["value"] for name in ("a", "b")] == [5e-5, 3e-5]
     assert told["b"]["interval"] == [1e-6, 9e-5]
     assert BiaxialFitResult.is_of_shots.fget(given)
-    for other in ({"centreline": "straight"}, {"slack": (0.0, 1e-3)}, {"crossover_gap": 1e-5}):
+    others = [{"centreline": "straight"}, {"slack": (0.0, 1e-3)}]
+    for other in (*others, {"crossover_gap": 1e-5}, {"stiffening": 90.0}):
         fit.model = SimpleNamespace(**vars(model) | other)
         assert not BiaxialFitResult.is_of_shots.fget(given), other
 
