@@ -11,7 +11,7 @@ def charts(tool):
 
 def test_pictures_are_of_the_files_as_they_are(charts):
     """Else: python tools/figures.py --only reports"""
-    for name in (*charts.COSTS, *charts.MODELS, *charts.MAPS):
+    for name in (*charts.COSTS, *charts.MODELS, *charts.SCENES, *charts.MAPS):
         assert charts.digest_in(charts.FIGURES / f"{name}.png") == charts.digest_of(name), name
 
 
@@ -44,6 +44,26 @@ def test_models_stand_at_the_times_of_their_runs(charts):
             "woven solids, 25.4 mm": 3 * 157424 / 400 / 42,
         }
     )
+
+
+def test_models_of_scenes_stand_at_what_they_leave_off(charts):
+    (name,) = charts.SCENES
+    axes = charts.draw(name).axes[0]
+    names = {y: text.get_text() for y, text in zip(axes.get_yticks(), axes.get_yticklabels())}
+    shown = {}
+    for line in axes.lines:
+        for x, y in line.get_xydata():
+            shown[names[y], line.get_label()] = x
+    rows = {row["scene"]: row for row in charts.read(name)[1]}
+    assert len(rows) == 10
+    for (scene, model), x in shown.items():
+        assert x == float(rows[scene][f"off, {model} [%]"])
+    given = sum(
+        bool(row[f"off, {model} [%]"]) and model != row["richest"]
+        for row in rows.values()
+        for model in charts.OF_SCENES
+    )
+    assert len(shown) == given
 
 
 @pytest.mark.parametrize("seed", range(10))

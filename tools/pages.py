@@ -372,11 +372,25 @@ def made(page: str) -> str:
     return page_values.filled(text)
 
 
+# tables of studies that the product reads: {copy: the file of docs/reports/data}
+COPIES = {"weavecell/studies/models_of_scenes.csv": "models-of-scenes.csv"}
+
+
+def stale_copies() -> list[str]:
+    """List the copies of tables that are out of date."""
+    found = []
+    for copy, name in COPIES.items():
+        path = ROOT / copy
+        if not path.is_file() or path.read_bytes() != (DATA / name).read_bytes():
+            found.append(copy)
+    return found
+
+
 def stale() -> list[str]:
     """List the pages that are out of date."""
     marked = [page for page in PAGES if (ROOT / page).read_text("utf-8") != made(page)]
     kept = reference_pages.stale(GENERATED, reference_pages.kept_pages())
-    return marked + [f"docs/generated/{name}" for name in kept]
+    return marked + stale_copies() + [f"docs/generated/{name}" for name in kept]
 
 
 def main() -> None:
@@ -386,6 +400,8 @@ def main() -> None:
         sys.exit("".join(f"out of date: {page}\n" for page in pages) or 0)
     for page in set(pages) & set(PAGES):
         (ROOT / page).write_text(made(page), "utf-8")
+    for copy in stale_copies():
+        (ROOT / copy).write_bytes((DATA / COPIES[copy]).read_bytes())
     # by a process that imports the keywords of Python as they are now
     subprocess.run([sys.executable, str(ROOT / "tools" / "reference_pages.py")], check=True)
     for page in pages:

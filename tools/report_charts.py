@@ -10,6 +10,9 @@ an error below it cannot be told from, is a line.
 Models. Each model of one panel is a row: its CPU time for one crossover and 1 us, beside that of the thesis's model of
 the kind.
 
+Scenes. Each scene of models-of-scenes is a row, each of its models a mark at what it leaves off the richest, with its
+CPU time over that of the richest.
+
 Maps. Every run of a study with a [map] is a mark over two parameters of the method. Its colour and its shape say
 whether the run was stable, wrong without a message, or ended with one. An open mark is flagged by a quality check.
 """
@@ -51,6 +54,7 @@ TITLES = {
     "cost-struck-yarn": "One struck yarn",
     "cost-peers": "One ply of S-720, 60 m/s, no failure: other models and another code",
     "solid-cost": "Four models of a ply of S-720: CPU time, here and in the thesis",
+    "models-of-scenes": "Ten scenes by all models: off the richest, and CPU time over its",
     "stability-newton": "Newton iteration of the thesis on two heights",
     "stability-bracket": "The bracket of weavecell, same points",
     "stability-printed-law": "The compression law as printed",
@@ -65,7 +69,11 @@ TITLES = {
 }
 # models of a panel, whose costs are set beside those of the thesis
 MODELS = ("solid-cost",)
-COSTS = tuple(name for name in TITLES if not name.startswith("stability-") and name not in MODELS)
+# models of several scenes, each held against the richest
+SCENES = ("models-of-scenes",)
+COSTS = tuple(
+    name for name in TITLES if not name.startswith("stability-") and name not in MODELS + SCENES
+)
 MAPS = tuple(name for name in TITLES if name.startswith("stability-"))
 # rows of the chart of models, by model and crossings of the study: name, elements of a crossover here and in the thesis
 OF_MODELS = {
@@ -142,7 +150,7 @@ def digest_in(path: Path) -> str:
 
 def write(folder: Path = FIGURES) -> None:
     """Draw all charts to a folder, each a PNG."""
-    for name in (*COSTS, *MODELS, *MAPS):
+    for name in (*COSTS, *MODELS, *SCENES, *MAPS):
         figure = draw(name)
         figure.savefig(
             folder / f"{name}.png", dpi=110, metadata={"Source": digest_of(name), "Software": None}
@@ -156,6 +164,8 @@ def draw(name: str) -> Any:
             return _draw_cost(name)
         if name in MODELS:
             return _draw_models(name)
+        if name in SCENES:
+            return _draw_scenes(name)
         return _draw_map(name)
 
 
@@ -322,6 +332,64 @@ def _draw_models(name):
     return figure
 
 
+# mark and colour of each model of a scene; and where models are alike
+OF_SCENES = {
+    "1 element": ("o", BLUE),
+    "3 elements": ("s", GREEN),
+    "resolved yarns": ("D", ORANGE),
+    "rigid nose": ("v", RED),
+    "bar": ("^", INK),
+}
+ALIKE = 5.0  # [%]
+
+
+def offs_of_scenes(name: str) -> list[tuple[str, str, float, float]]:
+    """List (scene, model, what it leaves off the richest [%], CPU time over that of the richest) of a study."""
+    found = []
+    for row in read(name)[1]:
+        richest = float(row[f"CPU, {row['richest']} [s]"])
+        for model in OF_SCENES:
+            off = row[f"off, {model} [%]"]
+            if off and model != row["richest"]:
+                found.append(
+                    (row["scene"], model, float(off), float(row[f"CPU, {model} [s]"]) / richest)
+                )
+    return found
+
+
+def _draw_scenes(name):
+    offs = offs_of_scenes(name)
+    scenes = list(dict.fromkeys(scene for scene, *_ in offs))
+    figure = Figure(figsize=(9, 0.55 * len(scenes) + 1.6), layout="constrained")
+    axes = figure.subplots()
+    axes.axvspan(1e-3, ALIKE, color="#eef0f3", zorder=0)
+    for model, (mark, colour) in OF_SCENES.items():
+        own = [
+            (off, len(scenes) - 1 - scenes.index(scene), cost)
+            for scene, of, off, cost in offs
+            if of == model
+        ]
+        if not own:
+            continue
+        x, y, cost = zip(*own)
+        axes.plot(x, y, mark, ms=8, color=colour, label=model, zorder=3)
+        for place in zip(x, y, cost):
+            _label(axes, f"{place[2]:.2g}", place[0], place[1], 8, "#5b6670")
+    axes.set_yticks(range(len(scenes)), scenes[::-1], fontsize=8)
+    low = min(off for _, _, off, _ in offs)
+    axes.set(
+        xscale="log",
+        xlim=(0.6 * low, None),
+        ylim=(-0.6, len(scenes) - 0.4),
+        xlabel="off the richest model [%]; grey: within 5 %. Numbers: CPU time over that of the richest",
+    )
+    axes.grid(axis="x", color="#e6e9ed")
+    axes.set_axisbelow(True)
+    figure.suptitle(TITLES[name], x=0.01, ha="left", fontweight="bold", fontsize=11)
+    figure.legend(loc="outside lower left", ncols=5, fontsize=9)
+    return figure
+
+
 def _label(axes, text, x, y, above, colour):
     """Write over a mark, or under it, by points."""
     axes.annotate(
@@ -463,11 +531,13 @@ __all__ = [
     "FAINT",
     "MAPS",
     "MODELS",
+    "SCENES",
     "costs_of_models",
     "digest_in",
     "digest_of",
     "draw",
     "front",
+    "offs_of_scenes",
     "points_of",
     "write",
 ]

@@ -15,6 +15,7 @@ MODULES = (
     "block",
     "drawn",
     "laws",
+    "models",
     "patches",
     "peers",
     "series",
@@ -55,6 +56,8 @@ def _module(name):
             from validation.cases import drawn as module
         case "laws":
             from validation.cases import laws as module
+        case "models":
+            from validation.cases import models as module
         case "patches":
             from validation.cases import patches as module
         case "peers":

@@ -102,6 +102,7 @@ class RunSize(_Size):
     notes : lines on resolved yarns: what is assumed of them, and why they are resolved
     of_fabrics : lines that name what is assumed of the fabrics
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
+    model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
 
     Examples
     --------
@@ -120,6 +121,7 @@ class RunSize(_Size):
     notes: tuple[str, ...] = ()
     of_fabrics: tuple[str, ...] = ()
     foreseen: tuple[str, ...] = ()
+    model: str = ""
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -145,7 +147,7 @@ class RunSize(_Size):
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
         from shellfabric.yarns.model import crossings_of
-        from weavecell.studies import choice
+        from weavecell.studies import choice, model_choice
 
         if setup.instead is not None:
             chosen = choice.choose(setup, setup.strike_velocity, ())
@@ -178,6 +180,7 @@ class RunSize(_Size):
             notes,
             tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)),
             _foresee(setup, pack),
+            model_choice.advise(setup, pack),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -204,7 +207,7 @@ class RunSize(_Size):
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
-        lines += (*self.notes, *self.foreseen)
+        lines += (self.model, *self.notes, *self.foreseen)
         # a command has printed the others as it read its file
         if not in_terminal():
             lines += self.of_fabrics

@@ -34,6 +34,7 @@ def test_the_command_writes_nothing(succeed, tmp_path):
     scene.write_text(impact_scene("90 m/s", "30 mm", "10 us"))
     out = succeed("impact", scene, "--check", "--out", "out")
     assert "nothing is run" in out
+    assert out.count("\nmodel: ") == 1
     assert not (tmp_path / "out").exists()
 
 
