@@ -54,7 +54,7 @@ TITLES = {
     "cost-struck-yarn": "One struck yarn",
     "cost-peers": "One ply of S-720, 60 m/s, no failure: other models and another code",
     "solid-cost": "Four models of a ply of S-720: CPU time, here and in the thesis",
-    "models-of-scenes": "Ten scenes by all models: off the richest, and CPU time over its",
+    "models-of-scenes": "Ten scenes: how far each model is off the richest",
     "stability-newton": "Newton iteration of the thesis on two heights",
     "stability-bracket": "The bracket of weavecell, same points",
     "stability-printed-law": "The compression law as printed",
@@ -332,13 +332,13 @@ def _draw_models(name):
     return figure
 
 
-# mark and colour of each model of a scene; and where models are alike
+# mark and colour of each model of a scene, and how far above it its number stands [pt]; and where models are alike
 OF_SCENES = {
-    "1 element": ("o", BLUE),
-    "3 elements": ("s", GREEN),
-    "resolved yarns": ("D", ORANGE),
-    "rigid nose": ("v", RED),
-    "bar": ("^", INK),
+    "1 element": ("o", BLUE, 8),
+    "3 elements": ("s", GREEN, -18),
+    "resolved yarns": ("D", ORANGE, 8),
+    "rigid nose": ("v", RED, 8),
+    "bar": ("^", INK, -18),
 }
 ALIKE = 5.0  # [%]
 
@@ -363,7 +363,7 @@ def _draw_scenes(name):
     figure = Figure(figsize=(9, 0.55 * len(scenes) + 1.6), layout="constrained")
     axes = figure.subplots()
     axes.axvspan(1e-3, ALIKE, color="#eef0f3", zorder=0)
-    for model, (mark, colour) in OF_SCENES.items():
+    for model, (mark, colour, above) in OF_SCENES.items():
         own = [
             (off, len(scenes) - 1 - scenes.index(scene), cost)
             for scene, of, off, cost in offs
@@ -374,15 +374,18 @@ def _draw_scenes(name):
         x, y, cost = zip(*own)
         axes.plot(x, y, mark, ms=8, color=colour, label=model, zorder=3)
         for place in zip(x, y, cost):
-            _label(axes, f"{place[2]:.2g}", place[0], place[1], 8, "#5b6670")
+            _label(axes, f"{place[2]:.2g}", place[0], place[1], above, "#5b6670")
     axes.set_yticks(range(len(scenes)), scenes[::-1], fontsize=8)
     low = min(off for _, _, off, _ in offs)
     axes.set(
         xscale="log",
         xlim=(0.6 * low, None),
         ylim=(-0.6, len(scenes) - 0.4),
-        xlabel="off the richest model [%]; grey: within 5 %. Numbers: CPU time over that of the richest",
     )
+    axes.set_xlabel("off the richest [%], grey: within 5 %; numbers: CPU time over its", fontsize=9)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(axis="x", color="#e6e9ed")
     axes.set_axisbelow(True)
     figure.suptitle(TITLES[name], x=0.01, ha="left", fontweight="bold", fontsize=11)
