@@ -6,6 +6,10 @@ Six fabrics of the catalogue, half of the time with other stiffness, strength an
 to 13 mm; 40 to 400 m/s; clamped, two sides free, or yarns that slip in their clamps; friction of
 0.05 to 0.4. Every shot follows from the seed and its number alone. Ends with code 1 if a guard ended
 a shot, its energy error is above LIMIT or a crossing was lost.
+
+    python tools/yarn_shots.py --seed 2 --shots 60 --small
+
+fires at panels of 20 to 40 crossovers, half of them resolved to their edges: a second or less a shot.
 """
 
 from __future__ import annotations
@@ -34,15 +38,18 @@ STEEL = 7850.0  # [kg/m3]
 LIMIT = 0.005  # [-] energy error over the strike energy
 
 
-def draw_shot(seed: int, number: int) -> ImpactSetup:
-    """Draw the set-up of a number."""
+def draw_shot(seed: int, number: int, small: bool = False) -> ImpactSetup:
+    """Draw the set-up of a number; `small` is one of 20 to 40 crossovers."""
     random = np.random.default_rng([seed, number])
     fabric = catalogue.load(str(random.choice(FABRICS)))
     if random.uniform() < 0.5:
         low, high = 0.7, 1.4
         factors = ("modulus", "failure_strain", "crimp_warp", "crimp_weft")
         fabric = scale_fabric(fabric, **{name: random.uniform(low, high) for name in factors})
+    spacing = 2 * max(fabric.weave.w)
     radius = random.uniform(2e-3, 6.5e-3)
+    if small:
+        radius = random.uniform(1.2, 3.0) * spacing
     shape = str(random.choice(SHAPES))
     own = {"edge_radius": 0.05 * radius} if shape != "sphere" else {}
     if shape == "cone":
@@ -61,6 +68,9 @@ def draw_shot(seed: int, number: int) -> ImpactSetup:
     friction = float(random.uniform(0.05, 0.4))
     opening = float(random.uniform(0.07, 0.11))
     half_width = min(max(8e-3, 2.2 * radius + 6e-3), 0.4 * opening)
+    if small:
+        opening = random.uniform(20, 40) * spacing
+        half_width = float(random.choice([radius + 5.5 * spacing, np.inf]))
     return ImpactSetup(
         fabric,
         float(np.exp(random.uniform(np.log(40), np.log(400)))),
@@ -84,7 +94,10 @@ def fire(setup: ImpactSetup) -> dict[str, float | str]:
         ended = str(problem)
     zone = solver.part("yarns").zone
     errors = np.abs(solver.sample("error")) / solver.strike_energy
+    made = solver.energy_made()
+    most = max(made, key=lambda name: abs(made[name]))
     return {
+        "made": f"{most} made {100 * made[most] / solver.strike_energy / solver.share:.3f} %",
         "outcome": solver.outcome,
         "ended": ended,
         "error": float(errors.max()),
@@ -100,13 +113,15 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--shots", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--small", action="store_true", help="panels of 20 to 40 crossovers")
+    parser.add_argument("--only", type=int, nargs="*", help="numbers of the shots to fire")
     parser.add_argument("--cpu", type=float, default=600.0, help="[s] after which no shot begins")
     asked = parser.parse_args()
     rows = []
-    for number in range(asked.first, asked.first + asked.shots):
+    for number in asked.only or range(asked.first, asked.first + asked.shots):
         if time.process_time() > asked.cpu:
             break
-        setup = draw_shot(asked.seed, number)
+        setup = draw_shot(asked.seed, number, asked.small)
         began = time.process_time()
         row = fire(setup)
         rows.append(row)
@@ -116,7 +131,8 @@ def main() -> int:
             f"mu {setup.crossovers.friction:.2f} {_edge(setup)}: {row['outcome']}, "
             f"error {100 * row['error']:.3f} %, snap {100 * row['snap']:.2f} %, "
             f"{row['torn']:.0f} segments torn, "
-            f"{row['lost']:.0f} crossings lost, {time.process_time() - began:.1f} s "
+            f"{row['lost']:.0f} crossings lost, {row['made']}, "
+            f"{time.process_time() - began:.1f} s "
             f"{row['ended']}",
             flush=True,
         )

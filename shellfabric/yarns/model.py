@@ -328,7 +328,24 @@ class YarnPanel(Panel):
         steps = MOST_STEPS
         if self.is_seen:  # the places of shadow nodes after a step have to be known before it
             steps = 1
+        # ends that whip make energy if rim and yarns differ in step; there is no membrane beyond them
+        if self.ends_free:
+            steps = 1
         return min(super().time_step, steps * self._longest_step)
+
+    @property
+    def ends_free(self) -> bool:
+        """Whether the zone reaches all edges of the opening, and one of them holds no yarn."""
+        (i0, i1), (j0, j1) = self.rim_rows
+        if (i0, j0) != (0, 0) or (i1, j1) != self.counts:
+            return False
+        loose = self.loose()
+        sides = [loose[-1, 1:-1], loose[1:-1, -1]]
+        # the first lines of a mirrored panel are its planes of symmetry
+        for axis, mirrored in enumerate(self.mirrors):
+            if not mirrored:
+                sides.append(np.moveaxis(loose, axis, 0)[0, 1:-1])
+        return any(bool(side.any()) for side in sides)
 
     @property
     def _longest_step(self):
