@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from math import hypot, log
@@ -120,14 +120,16 @@ def known_scenes() -> tuple[KnownScene, ...]:
 
 
 def _scene_of(row: Mapping[str, str]) -> KnownScene:
-    numbers = {}
-    for one in fields(SceneNumbers):
-        numbers[one.name] = row[one.name]
-        if one.name != "kind":
-            numbers[one.name] = float(row[one.name])
+    numbers = SceneNumbers(
+        row["kind"],
+        nose=float(row["nose"]),
+        velocity=float(row["velocity"]),
+        plies=float(row["plies"]),
+        friction=float(row["friction"]),
+    )
     return KnownScene(
         row["scene"],
-        SceneNumbers(**numbers),
+        numbers,
         row["cheapest within 5 %"],
         row["richest"],
         float(row["off [%]"]),
