@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 
+UNSTRETCHED = "left out: a picture frame shears the fabric, and stretches no yarn"
+
+
 @dataclass(frozen=True, kw_only=True)
 class CellNumbers:
     """Numbers of the unit cell, keys of the table [fabric]. Resolved yarns touch where they are: they
@@ -35,6 +38,7 @@ class CellNumbers:
             ),
             "pinned yarns",
         ),
+        Unread("picture_frame", UNSTRETCHED),
     ] = "compressible"
     cell_formulation: Annotated[
         str,
@@ -61,6 +65,7 @@ class CellNumbers:
             ),
             "pinned",
         ),
+        Unread("picture_frame", UNSTRETCHED),
     ] = 0.0
 
 

@@ -57,8 +57,8 @@ class PullOut:
 
     Raises
     ------
-    InputError : a value out of its range, another form of the cell, or a pre-tension beyond the
-        strength of the crossing yarns
+    InputError : a value out of its range, another form of the cell, a pre-tension beyond the
+        strength of the crossing yarns, or a law by which the yarn is nowhere slack
     """
 
     table: CellTable
@@ -88,6 +88,9 @@ class PullOut:
         if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
             allowed = "at least 0 and below the strength of the crossing yarns"
             refuse(self, "pre_tension", allowed)
+        if self.tensions.min() > 0:
+            allowed = "regularised in a pull-out: by the printed form its yarn is nowhere slack"
+            raise InputError(key="law", allowed=allowed)
 
     @cached_property
     def friction(self) -> float:

@@ -1,11 +1,13 @@
-"""What a shot takes for granted, in words, and the settings that it was computed with: each is asked of the
-object that has the numbers."""
+"""What a shot takes for granted, in words, and the settings that it is computed with: each is asked of the
+object that has the numbers. Report, forecast and summary ask here."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from shellfabric.block.block import Backing
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.loop.histories import HistoryRequest
 
 PINNED = (
     "Warp and weft are pinned to each other at every crossover: no slip, pull-out or opening of the weave.",
@@ -46,6 +48,40 @@ def list_assumptions(
     return [(name, " ".join(sentences)) for name, sentences in rows]
 
 
+def say_assumptions(setup: ImpactSetup, *, body: str = "") -> tuple[str, ...]:
+    """Write `list_assumptions` as lines, what they are of first."""
+    rows = list_assumptions(setup, body=body)
+    return tuple(f"{name}: {sentences}" for name, sentences in rows)
+
+
+def say_choices(setup: ImpactSetup) -> str:
+    """Write what the cells are made from, and the settings that are not those of a set-up with nothing
+    chosen but fabric and velocity, in SI units."""
+    plain = ImpactSetup(
+        setup.fabric,
+        setup.strike_velocity,
+        backing=setup.backing and Backing(),
+        history=setup.history and HistoryRequest(),
+    )
+    usual = list_settings(plain)
+    for name in _list_materials(plain):
+        del usual[name]
+    chosen = []
+    for name, value in list_settings(setup).items():
+        if name not in usual or usual[name] != value:
+            chosen.append(f"{name} {say(value)}")
+    return "; ".join(chosen)
+
+
+def say(value: Any) -> str:
+    """Write the value of a setting."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, tuple):
+        return ", ".join(map(say, value))
+    return str(value)
+
+
 def list_settings(setup: ImpactSetup) -> dict[str, Any]:
     """List {name: value in SI units} of what a run was computed with: cell, mesh, time, projectile, block
     and numerical parameters."""
@@ -65,14 +101,26 @@ def list_settings(setup: ImpactSetup) -> dict[str, Any]:
     }
     if setup.history is not None:
         found |= _named("histories", vars(setup.history))
-    for fabric in setup.fabrics:
-        found[f"{fabric.name}, modulus of warp and weft"] = tuple(
-            yarn.E for yarn in fabric.weave.yarns
-        )
+    found |= _list_materials(setup)
     found |= _named("projectile", setup.projectile.settings)
     if setup.backing is not None:
         found |= _named("block", setup.backing.settings)
     return found | _named("", setup.numerics.settings)
+
+
+def _list_materials(setup):
+    """{name: value in SI units} of what the cells of the plies are made from."""
+    found = {}
+    for fabric in setup.fabrics:
+        moduli = tuple(yarn.E for yarn in fabric.weave.yarns)
+        found[f"{fabric.name}, modulus of warp and weft"] = moduli
+    if setup.surface is not None:
+        return found | {"cell": "response surface"}
+    for number, (fabric, laws) in enumerate(setup.materials, 1):
+        if laws is not None:
+            name = f"material {number}, {fabric.name}, compression law of warp and weft"
+            found[name] = tuple((law.a, law.b, law.form) for law in laws)
+    return found
 
 
 def _named(of, values):

@@ -446,8 +446,10 @@ def check_projectile(projectile: Projectile) -> None:
     ------
     InputError : it is tilted or oblique, deforms, or is of the shape "stl"
     """
-    if projectile.tilted or projectile.obliquity:
-        raise InputError("solid yarns are struck straight on: no obliquity, yaw or roll")
+    for key in ("obliquity", "yaw", "roll"):
+        if getattr(projectile, key):
+            allowed = "0 with solid yarns, which are struck straight on"
+            raise InputError(key=key, value=getattr(projectile, key), allowed=allowed)
     if projectile.body != "rigid":
         raise InputError(key="body", value=projectile.body, allowed="rigid with solid yarns")
 

@@ -28,6 +28,7 @@ from weavecell.api.result import Result
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
+    from weavecell.scenes.impact import Scene
     from weavecell.studies.small_patch import SmallPatch
 
 # lowest and highest CPU time [s] of an element and step
@@ -103,6 +104,9 @@ class RunSize(_Size):
     of_fabrics : lines that name what is assumed of the fabrics
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
     model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
+    shot : what is shot at, and by what, in a sentence; the report begins with it
+    assumptions : lines on what the run takes for granted, as the report has them
+    settings : those that are chosen, as the report has them, and of what the cells are made
 
     Examples
     --------
@@ -122,6 +126,9 @@ class RunSize(_Size):
     of_fabrics: tuple[str, ...] = ()
     foreseen: tuple[str, ...] = ()
     model: str = ""
+    shot: str = ""
+    assumptions: tuple[str, ...] = ()
+    settings: str = ""
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -130,7 +137,12 @@ class RunSize(_Size):
 
     @classmethod
     def estimate(
-        cls, setup: ImpactSetup, title: str, notes: tuple[str, ...] = (), written: bool = True
+        cls,
+        setup: ImpactSetup,
+        title: str,
+        notes: tuple[str, ...] = (),
+        written: bool = True,
+        scene: Scene | None = None,
     ) -> RunSize:
         """Estimate the size of a run of a set-up, which is checked as its run does.
 
@@ -138,22 +150,25 @@ class RunSize(_Size):
         ----------
         notes : lines on resolved yarns
         written : whether pictures and files are made of the results
+        scene : of the input file, if there is one, which has the names of what is shot
 
         Raises
         ------
         InputError : values that do not go together
         """
         from shellfabric.block.coupling import bricks_of
+        from shellfabric.impact import in_words
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
         from shellfabric.yarns.model import crossings_of
+        from weavecell.report import chapters
         from weavecell.studies import choice, model_choice
 
         if setup.instead is not None:
             chosen = choice.choose(setup, setup.strike_velocity, ())
             if chosen.resolved:  # the friction of the yarns decides before the run
                 resolved = choice.with_resolved(setup)
-                return cls.estimate(resolved, title, (*notes, str(chosen)), written)
+                return cls.estimate(resolved, title, (*notes, str(chosen)), written, scene)
             again = cls.estimate(choice.with_resolved(setup), title, (), written)
             setup = choice.with_pinned(setup)
             notes = (*notes, f"if the checks ask for resolved yarns, another {again.cost}")
@@ -181,6 +196,9 @@ class RunSize(_Size):
             tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)),
             _foresee(setup, pack),
             model_choice.advise(setup, pack),
+            chapters.describe_shot(setup, scene, velocity=True),
+            in_words.say_assumptions(setup),
+            in_words.say_choices(setup),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -193,6 +211,9 @@ class RunSize(_Size):
             "memory_bytes": self.memory,
             **self._summarise_cpu_time(),
             "assumed": "; ".join(self.assumed),
+            "shot": self.shot,
+            "assumptions": " ".join(self.assumptions),
+            "settings": self.settings,
         }
 
     def __str__(self) -> str:
@@ -211,6 +232,7 @@ class RunSize(_Size):
         # a command has printed the others as it read its file
         if not in_terminal():
             lines += self.of_fabrics
+        lines += [self.shot, *self.assumptions, f"chosen, in SI units: {self.settings}"]
         return "\n".join(lines)
 
 
@@ -295,7 +317,6 @@ class StudySize(_Size):
         ------
         InputError : what resolved yarns do not have
         """
-        from weavecell.studies import choice
 
         if setup.instead is None:
             return self

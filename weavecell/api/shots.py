@@ -138,7 +138,8 @@ class ShotPlan(Plan["ShotResult"]):
     def forecast(self) -> RunSize:
         """Forecast elements, steps, memory and CPU time of one shot, and name what is assumed."""
         panel = self.target
-        return RunSize.estimate(panel.setup, panel.shot_title, written=self.written)
+        scene = panel.case and panel.case.scene
+        return RunSize.estimate(panel.setup, panel.shot_title, written=self.written, scene=scene)
 
     def run(self, running: Running) -> ShotResult:
         """Fire, repeat the shot over what is assumed, and write all of it."""
@@ -571,7 +572,23 @@ class ShotResult(ImpactRecord, Result):
         known = self.facts() | {"checks": self.checks_text}
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
-        return known | self._what_is_assumed()
+        return known | self._say_in_words() | self._what_is_assumed()
+
+    def _say_in_words(self):
+        """What was shot at, what the run took for granted, and the settings that were chosen, as the report
+        has them."""
+        from shellfabric.impact import in_words
+        from weavecell.report import chapters
+
+        if self.target is None:
+            return {}
+        setup = self.target.setup
+        scene = self.target.case and self.target.case.scene
+        return {
+            "shot": chapters.describe_shot(setup, scene, velocity=True),
+            "assumptions": " ".join(in_words.say_assumptions(setup, body=self.rigid_check)),
+            "settings": in_words.say_choices(setup),
+        }
 
     def _keys_of_summary(self):
         return keys.table("run", self.kind, *keys.OF_SOME.values(), "failure", "stacking")

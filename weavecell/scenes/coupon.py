@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     Table,
+    Unread,
     angle,
     flag,
     number,
@@ -28,12 +29,6 @@ if TYPE_CHECKING:
     from fabrics.fabric import Fabric
 
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
-_OF_STEPS = (
-    "steps",
-    "elements_per_crossover",
-    "tolerance",
-    "max_iterations",
-)  # keys of [run] without use in a pull-out
 # [-] default limit of the out-of-balance force over the reaction (docs/coupons.md)
 TOLERANCE = 1e-3
 
@@ -140,6 +135,9 @@ class PullOutTable(Table):
     samples: whole("samples of the load that are kept", 10, 100_000, 100) = 500
 
 
+NO_STEPS = "left out in a pull-out"
+
+
 class CouponRunTable(Table):
     """Load steps, mesh, tolerance, and the files that are written.
 
@@ -148,14 +146,20 @@ class CouponRunTable(Table):
     tolerance = 1e-3
     """
 
-    steps: whole("load steps; not used in a pull-out", 1, 1000) = 20
-    elements_per_crossover: whole("elements along each side of a crossover", 1, 8) = 1
-    tolerance: number(
-        "convergence: out-of-balance force over the reaction", 1e-2, gt=0.0, le=0.1
-    ) = TOLERANCE
-    max_iterations: whole(
-        "iterations of dynamic relaxation in a load step at most", 10, 10_000_000, 100
-    ) = 50_000
+    steps: Annotated[
+        whole("load steps; not used in a pull-out", 1, 1000), Unread("pull_out", NO_STEPS)
+    ] = 20
+    elements_per_crossover: Annotated[
+        whole("elements along each side of a crossover", 1, 8), Unread("pull_out", NO_STEPS)
+    ] = 1
+    tolerance: Annotated[
+        number("convergence: out-of-balance force over the reaction", 1e-2, gt=0.0, le=0.1),
+        Unread("pull_out", NO_STEPS),
+    ] = TOLERANCE
+    max_iterations: Annotated[
+        whole("iterations of dynamic relaxation in a load step at most", 10, 10_000_000, 100),
+        Unread("pull_out", NO_STEPS),
+    ] = 50_000
     outputs: some_of(
         "which outputs are written beside `histories.h5` and `summary.json`", "pictures", "report"
     ) = (
@@ -183,13 +187,7 @@ class CouponScene(Table):
         exactly_one(self.fabric, ("name", "file"), "fabric")
         exactly_one(self, TESTS)
         if self.test != "pull_out":
-            if self.fabric.sets("bending"):
-                allowed = "left out: only the yarns of a pull-out have bending stiffness"
-                raise InputError(key="fabric.bending", allowed=allowed)
             return self
-        for key in _OF_STEPS:
-            if self.run.sets(key):
-                raise InputError(key=f"run.{key}", allowed="left out in a pull-out")
         # flexible yarns press on each other with no force: whatever the friction, the load is 0
         if self.pull_out.crossover_cohesion == 0 and self.fabric.bending == 0:
             allowed = (

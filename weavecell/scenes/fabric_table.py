@@ -28,11 +28,25 @@ from fabrics.base.schema import (
     validated,
 )
 from fabrics.yarn import STATUSES
-from shellfabric.panel_numbers import CellNumbers
+from shellfabric.panel_numbers import UNSTRETCHED, CellNumbers
 from weavecell.scenes import kept_files
 
 # what a scene is read for, as the marks `Unread` of its keys name it
-Reader = Literal["shot", "setup", "limit", "v50", "sweep", "patch", "export", "coupon"]
+Reader = Literal[
+    "shot",
+    "setup",
+    "limit",
+    "v50",
+    "sweep",
+    "patch",
+    "export",
+    "coupon",
+    "bias_extension",
+    "picture_frame",
+    "uniaxial",
+    "biaxial",
+    "pull_out",
+]
 
 
 class InlineLaw(Table):
@@ -174,6 +188,7 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
     weaving_damage: Annotated[
         WeavingDamageTable | None,
         Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }'),
+        Unread("picture_frame", UNSTRETCHED),
     ] = None
     law: Annotated[
         Law,
@@ -199,6 +214,10 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
         quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True),
         Unread("export", "0: a membrane has no bending stiffness"),
         Unread("patch", "left out: the yarns of a patch have no bending stiffness of their own"),
+        Unread(
+            "bias_extension picture_frame uniaxial biaxial",
+            "left out: only the yarns of a pull-out have bending stiffness",
+        ),
     ] = 0.0
 
     @model_validator(mode="after")
@@ -294,7 +313,9 @@ def check_scene(
     table = kept_files.use_copies_of_missing(table, file)
     scene = validated(kind, table, file, context)
     if reader is not None:
-        refuse_passed_over(scene, table, file, reader)
+        # a coupon is read by its test too
+        for name in dict.fromkeys((reader, getattr(scene, "test", reader))):
+            refuse_passed_over(scene, table, file, name)
     if file is None:
         return scene
     return anchor_paths(scene, file)

@@ -137,11 +137,11 @@ class SmallPatch:
     @property
     def zone(self) -> YarnZone:
         """The whole patch as a zone of resolved yarns, with the assumed friction of its fibres if none
-        is given."""
+        is given; where it is struck is the patch's, not drawn by a seed."""
         given = self.shot.crossovers or self.shot.instead
         if given is None:
             given = YarnZone(friction=assumed.friction_between_yarns(self.shot.fabric).number)
-        return replace(given, half_width=inf)
+        return replace(given, half_width=inf, seed=None)
 
     @property
     def friction(self) -> float:
@@ -170,7 +170,8 @@ class SmallPatch:
     def pinned_setup(self) -> ImpactSetup:
         """Return the shot at the patch with pinned crossovers, on a mesh of like elements as fine as
         its default mesh is about the nose."""
-        used = self.shot.meshed
+        # resolved yarns have a mesh of their own
+        used = replace(self.shot, crossovers=None, instead=None).meshed
         count = used.elements_per_crossover
         if used.grading is not None:
             count = round(1 / float(used.grading[0][1]))

@@ -1,8 +1,10 @@
-"""What a report says of a shot follows each key of its input: headline, settings or assumptions change."""
+"""What report, forecast and summary say of a shot follows each key of its input: headline, settings or assumptions
+change."""
 
 import pytest
 
 import weavecell as wc
+from shellfabric.impact import in_words
 from tests.scene_text import merged
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, LEAST, ROOT, SHOT, row, with_value
 from weavecell.report import chapters
@@ -26,13 +28,14 @@ def said(table):
     scene = check(table, None, "shot")
     case = build.build(scene, None, "s")
     setup = build.setup(case, None)
-    cards = chapters.law_cards(case)
-    return (
+    report = (
         chapters.describe_shot(setup, scene, velocity=True),
         chapters_shot.settings(setup).rows,
         chapters_shot.assumptions(setup, ()).tables[0].rows,
-        cards,
+        chapters.law_cards(case),
     )
+    forecast = (report[0], in_words.say_assumptions(setup), in_words.say_choices(setup))
+    return report, forecast
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -44,7 +47,10 @@ def test_a_key_is_told(key, monkeypatch):
     context, value, *_ = row(key)
     table = key.partition(".")[0]
     base = merged(merged(SHOT, {table: LEAST.get(table, {})}), context)
-    assert said(with_value(base, key, value)) != said(base)
+    report, forecast = said(with_value(base, key, value))
+    plain, plain_forecast = said(base)
+    assert report != plain
+    assert forecast != plain_forecast
 
 
 # a shot of each model, and what its report alone says
@@ -132,3 +138,23 @@ def test_a_shot_that_leans_says_how_it_flies():
         "Rigid. It flies at 20° to the normal, towards 30° from the warp. Its axis leans 5° from its flight. It is "
         "turned by 10° about its axis. It keeps this attitude: nothing turns it. No friction on the fabric."
     )
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_forecast_says_what_the_report_says():
+    options = {
+        "opening": "20 mm",
+        "end_time": "10 us",
+        "yarn_failure": False,
+        "numerics": {"cfl": 0.7},
+    }
+    size = wc.impact("S-720", "155 m/s", check=True, **options)
+    setup = wc.setup("S-720", "155 m/s", **options)
+    rows = chapters_shot.assumptions(setup, ()).tables[0].rows
+    assert list(size.assumptions) == [": ".join(one) for one in rows]
+    assert "Yarns do not fail." in str(size)
+    assert "cfl 0.7" in str(size)
+    assert "20 mm square and clamped, struck at 155 m/s by a cylinder of 3 g" in str(size)
+    told = size.summary()
+    assert told["shot"] in str(size)
+    assert told["settings"] in str(size)

@@ -243,16 +243,9 @@ def settings(setup: ImpactSetup) -> Table:
     """Tabulate settings of the solver, for those who develop the code."""
     from shellfabric.impact import in_words
 
-    rows = [(name, _say(value)) for name, value in in_words.list_settings(setup).items()]
+    found = in_words.list_settings(setup).items()
+    rows = [(name, in_words.say(value)) for name, value in found]
     return Table(("setting, in SI units", "value"), tuple(rows), "Settings of the solver")
-
-
-def _say(value):
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, tuple):
-        return ", ".join(map(_say, value))
-    return str(value)
 
 
 def _histories(record):
