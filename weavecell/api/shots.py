@@ -138,7 +138,9 @@ class ShotPlan(Plan["ShotResult"]):
     def forecast(self) -> RunSize:
         """Forecast elements, steps, memory and CPU time of one shot, and name what is assumed."""
         panel = self.target
-        scene = panel.case and panel.case.scene
+        scene = None
+        if panel.case is not None:
+            scene = panel.case.scene
         return RunSize.estimate(panel.setup, panel.shot_title, written=self.written, scene=scene)
 
     def run(self, running: Running) -> ShotResult:
@@ -583,7 +585,9 @@ class ShotResult(ImpactRecord, Result):
         if self.target is None:
             return {}
         setup = self.target.setup
-        scene = self.target.case and self.target.case.scene
+        scene = None
+        if self.target.case is not None:
+            scene = self.target.case.scene
         return {
             "shot": chapters.describe_shot(setup, scene, velocity=True),
             "assumptions": " ".join(in_words.say_assumptions(setup, body=self.rigid_check)),
