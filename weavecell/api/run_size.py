@@ -317,6 +317,7 @@ class StudySize(_Size):
         ------
         InputError : what resolved yarns do not have
         """
+        from weavecell.studies import choice
 
         if setup.instead is None:
             return self
