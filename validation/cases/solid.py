@@ -298,8 +298,9 @@ def calibrated(
     -------
     dict with a [m], b [m N^(1/3)], a_interval, b_interval; a_ratio, b_ratio [-] over the published values, nan without;
     rms, rms_ratio [m] of the fit and of that of the tension ratio; a_warp, b_warp, a_weft, b_weft of the yarns' own
-    laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)}
+    laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)}; cpu [s]
     """
+    began = time.process_time()
     found = wc.calibrate(
         fabric,
         mesh=mesh,
@@ -308,6 +309,7 @@ def calibrated(
         fibre_fraction=fibre_fraction,
         assumed_range=False,
     )
+    cpu = time.process_time() - began
     assert isinstance(found, wc.CalibrationResult)
     done = found.calibration
     law = found.law
@@ -329,6 +331,7 @@ def calibrated(
         "a_ratio": done.comparison.get("a_ratio", nan),
         "b_ratio": done.comparison.get("b_ratio", nan),
         "rms": law.residual_rms,
+        "cpu": cpu,
         "rms_ratio": nan if done.ratio_law is None else done.ratio_law.residual_rms,
     }
     if found.solid is not None:

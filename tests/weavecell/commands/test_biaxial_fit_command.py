@@ -32,7 +32,7 @@ def test_from_the_curves_to_a_folder_that_loads_back(succeed, tmp_path):
     text = lines(CellModel(CLOTH, (LAW, LAW)), even=(1, 1), across=(0.5, 1))
     (tmp_path / "curves.csv").write_text(text)
     counted = succeed("calibrate glass-unbalanced --biaxial curves.csv --fitted even --check")
-    assert "2 tests, 1 fitted, 32 states, 2 constants" in counted
+    assert "2 tests, 1 fitted test, 32 states, 2 constants" in counted
     assert names(tmp_path) == "curves.csv"
     out = succeed("calibrate glass-unbalanced --biaxial curves.csv --fitted even --out r")
     assert "predicted, strains 0.5 : 1" in out
