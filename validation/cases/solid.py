@@ -298,7 +298,8 @@ def calibrated(
     -------
     dict with a [m], b [m N^(1/3)], a_interval, b_interval; a_ratio, b_ratio [-] over the published values, nan without;
     rms, rms_ratio [m] of the fit and of that of the tension ratio; a_warp, b_warp, a_weft, b_weft of the yarns' own
-    laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)}; cpu [s]
+    laws; of a fitted solid misfit_before, misfit (closure [m], pressure [-]) and constants {name: (value, low, high)};
+    cpu [s]
     """
     began = time.process_time()
     found = wc.calibrate(
