@@ -285,9 +285,12 @@ def digest(made: Any) -> str:
 
 
 def _without_scene(value):
-    """A field of a plan as a digest takes it: of a Target its set-up, of a table its columns."""
+    """A field of a plan as a digest takes it: of a Target its set-up, of a table its columns,
+    of a function its name."""
     if isinstance(value, Target):
         return value.setup
+    if inspect.isfunction(value):
+        return value.__qualname__
     if hasattr(value, "to_dict"):
         return value.to_dict("list")
     if isinstance(value, (tuple, list)):

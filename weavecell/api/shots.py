@@ -462,15 +462,7 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *(
-        "checks_text",
-        "doubtful",
-        "doubts",
-        "assumed",
-        "assumed_range",
-        "left_out",
-        "wall_time",
-    ),
+    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "left_out", "wall_time"),
 )
 
 
