@@ -138,6 +138,8 @@ def _usual_ranges(fabric, table):
     family = family_of(fabric)
     if family is None or table not in ("shear", "solid"):
         return {}
+    if table == "shear" and not fabric.weave.pattern.is_plain:
+        return {}
     laws = {}
     for end in ("soft", "nominal", "stiff"):
         if table == "shear":
@@ -183,7 +185,9 @@ def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None
         if computed:
             known[number] = None
     warp, weft = known
-    crimp = crimps(fabric.weave.w, factor * (fabric.thickness or 0.0), (warp, weft), share)
+    weave = fabric.weave
+    thickness = factor * (fabric.thickness or 0.0)
+    crimp = crimps(weave.w, thickness, (warp, weft), share, weave.pattern)
     other = fabric.with_yarns(crimp=crimp)
     if "shear" in fabric.assumed:
         return with_shear(replace(other, shear=None))
@@ -358,6 +362,8 @@ def lines(fabric: Fabric) -> list[str]:
         line = f"assumed: {words.get(key)}, because {fabric.name} gives none"
         if key == "crimp":
             line = _crimp_line(fabric)
+        elif key == "weave":
+            line = f"assumed: plain weave, because {fabric.name} states none"
         lines.append(line)
     return lines + _own_lines(fabric)
 

@@ -25,6 +25,7 @@ from fabrics.base.files import read_data
 from fabrics.fabric_tables import FAMILIES, OF_YARN, FabricFile, YarnTable
 from fabrics.families import Entry, list_families
 from fabrics.families import entries as of_tables
+from fabrics.pattern import PLAIN, Pattern
 from fabrics.weave import Weave, arc_length, height_from_length
 from fabrics.yarn import CLOSEST_PACKING, Yarn
 
@@ -66,7 +67,11 @@ def failure_length(weave: Weave) -> Entry:
 
 
 def crimps(
-    w: Sequence[float], thickness: float, known: Crimps = (None, None), share: float | None = None
+    w: Sequence[float],
+    thickness: float,
+    known: Crimps = (None, None),
+    share: float | None = None,
+    pattern: Pattern = PLAIN,
 ) -> tuple[float, float]:
     """Compute the crimp of warp and weft [-] of a weave of this thickness.
 
@@ -77,6 +82,7 @@ def crimps(
     known : crimps that are given; if one of two is, the other yarn has the rest of the thickness
     share : height of the warp over the sum of both, if neither is given; None takes that of
         `data_sheet.toml`
+    pattern : of the weave; a yarn is straight where it floats on
 
     Raises
     ------
@@ -91,15 +97,15 @@ def crimps(
         crimp = known[i]
         if crimp is None:
             continue
-        heights[i] = height_from_length(w[i], 2 * w[i] * (1 + crimp))
+        heights[i] = height_from_length(w[i], 2 * w[i] * (1 + crimp / pattern.interlacings[i]))
         if known[j] is None:
             heights[j] = half - heights[i]
             if not heights[j] > 0:
                 least = f"above {2e3 * heights[i]:.3f} mm, twice the height that the crimp of the {FAMILIES[i]} takes"
                 raise InputError(key="thickness", value=thickness, allowed=least)
     first, second = (
-        float(arc_length(w_i, h)) / (2 * w_i) - 1 if c is None else c
-        for w_i, h, c in zip(w, heights, known)
+        f * (float(arc_length(w_i, h)) / (2 * w_i) - 1) if c is None else c
+        for w_i, h, c, f in zip(w, heights, known, pattern.interlacings)
     )
     limits = OF_YARN["crimp"]
     if max(first, second) > limits.limits("")[1]:

@@ -43,7 +43,7 @@ class Fabric:
         E-07), or None
     micrograph : {"warp": {...}, "weft": {...}} [SI] values read from section pictures
     sources : {dotted key: {"value", "source", "status"}} as written in the data file
-    assumed : of "crimp", "failure_length", "shear", "solid", "strain_rate" and
+    assumed : of "crimp", "weave", "failure_length", "shear", "solid", "strain_rate" and
         `data_sheet.OF_SHOTS` what the data file does not give (see `fabrics.assumed`)
     yarn_width : (warp, weft) [m] widths of the yarns in the fabric, each None if not known
     thickness : [m] of the data sheet, or None

@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.schema import Table, described, flag, one_of, string
 from fabrics.base.units import example, in_one_of, si
+from fabrics.pattern import ALLOWED, Pattern
 
 # how a number of a fabric is known
 STATUSES = ("measured", "computed", "fitted", "derived", "assumed", "corrected", "user")
@@ -368,10 +369,23 @@ def _both(table, pair):
     ]
 
 
+def _weave():
+    """The type of the weave, which is read by a maker's name too."""
+    meaning = "which yarn is on top at each crossing; assumed plain if left out"
+    return Annotated[Any, BeforeValidator(_pattern), described(meaning, ALLOWED, example="plain")]
+
+
+def _pattern(value):
+    if isinstance(value, str):
+        return Pattern.read(value)
+    raise InputError(value=value, allowed=ALLOWED)
+
+
 class FabricFile(DataTable):
     """A fabric file. [ply_contact] and [strain_rate] are read by the laws themselves."""
 
     name: string("name of the fabric", "a text") = None
+    weave: _weave() = None
     section: string("shape of the yarns' sections in the 3D crossover", "a text") = None
     interlayer_gap: _data(
         "approach of neighbouring plies of a pack in a test up to 19.4 MPa",

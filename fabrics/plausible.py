@@ -207,8 +207,10 @@ def _of_weave(fabric):
     thickness_key = "thickness"
     if fabric.thickness is None:
         thickness_key = "warp.crimp"
-    spacing = 0.5 * sum(2 * half for half in weave.w)
-    yield Number(thickness_key, "slenderness", weave.thickness / spacing)
+    # the range is of plain weaves; yarns that float on leave room for thicker ones
+    if weave.pattern.is_plain:
+        spacing = 0.5 * sum(2 * half for half in weave.w)
+        yield Number(thickness_key, "slenderness", weave.thickness / spacing)
     if all(yarn.crimp > 0 for yarn in weave.yarns):
         yield Number("warp.crimp", "warp_share", weave.h01 / sum(weave.h0))
 

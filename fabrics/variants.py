@@ -177,6 +177,7 @@ def rotated_90(fabric: Fabric) -> Fabric:
         weft=weave.warp,
         warp_count=weave.weft_count,
         weft_count=weave.warp_count,
+        pattern=weave.pattern.rotated(),
     )
     exchanged: dict[str, Any] = {"guessed": tuple(map(_of_other, fabric.guessed))}
     for name in PAIRS:

@@ -1,4 +1,4 @@
-"""The plain weave: two crimped yarn families on a rectangular cell, one crossover a cell.
+"""The weave: two crimped yarn families on a rectangular cell, one crossover a cell.
 
 The centreline of yarn i is z = h_i cos(pi x / 2 w_i) (thesis eq. 4-1) over the cell 2 w_i, which is
 the spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the closed form
@@ -6,11 +6,14 @@ the spacing of the family that crosses (eq. 4-2). Its length S (eq. 4-3) has the
     S = (4 w / pi) E(m = -k^2),   k = pi h / 2 w,
 
 with E the complete elliptic integral of the second kind. Index 1 is warp, 2 is weft.
+
+In a weave that is not plain, a yarn changes sides over the share f of its spacings, in such a wave,
+and is straight on the others: its length in a cell is f S + (1 - f) 2 w in the mean.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +23,8 @@ from scipy.special import ellipe, ellipk
 from fabrics.base.checks import FloatArray, positive
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from fabrics.base.run_cache import ADDED_LATER
+from fabrics.pattern import PLAIN, Pattern
 from fabrics.yarn import Yarn
 
 
@@ -70,12 +75,13 @@ def height_from_length(w: float, S: float) -> float:
 @explain_frozen
 @dataclass(frozen=True)
 class Weave:
-    """A plain weave of two yarn families.
+    """A weave of two yarn families.
 
     Parameters
     ----------
     warp, weft : Yarn
     warp_count, weft_count : [1/m] yarns per width of fabric
+    pattern : Pattern, which yarn lies on top at each crossing
 
     Raises
     ------
@@ -86,6 +92,7 @@ class Weave:
     weft: Yarn
     warp_count: float
     weft_count: float
+    pattern: Pattern = field(default=PLAIN, metadata=ADDED_LATER)
 
     def __post_init__(self):
         positive(self, "warp_count", "weft_count")
@@ -128,7 +135,21 @@ class Weave:
     @cached_property
     def h0(self) -> tuple[float, float]:
         """[m] initial heights of the centrelines (eq. 4-5)."""
-        return height_from_length(self.w1, self.S01), height_from_length(self.w2, self.S02)
+        first, second = (
+            height_from_length(w, 2 * w * (1 + yarn.crimp / share))
+            for w, yarn, share in zip(self.w, self.yarns, self.pattern.interlacings)
+        )
+        return first, second
+
+    def require_plain(self, model: str) -> None:
+        """Refuse a weave that is not plain, for a `model` that holds for plain weave alone.
+
+        Raises
+        ------
+        InputError : the weave is not plain
+        """
+        if not self.pattern.is_plain:
+            raise InputError(key="weave", value=self.pattern.name, allowed=f"plain for {model}")
 
     @property
     def h01(self) -> float:

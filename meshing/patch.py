@@ -120,7 +120,7 @@ def _family(plan, family, count):
     crossings = count[1 - family]
     stations = _centred(2 * crossings + 1, w)
     for number, axis in enumerate(_centred(count[family], spacing)):
-        up = (-1) ** (family + number)
+        up = int(plan.weave.pattern.sides(family, number, 0))
         name = f"{YARNS[family]}_{number + 1}"
         yield Yarn(name, family, up=up, axis=axis, first=stations[1], stations=stations)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.patches import Ellipse, Polygon, Rectangle
 
+from fabrics.pattern import PLAIN
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import FAINT, INK, STEEL, WARP, WEFT
 
@@ -72,7 +73,7 @@ def weave(pyplot):
         plan.add_patch(Rectangle((at, -0.7), width, count + 0.4, color=WEFT, lw=0))
     for i in range(count):
         for j in range(count):
-            if (i + j) % 2 == 0:
+            if PLAIN.is_warp_up(i, j):
                 plan.add_patch(Rectangle((i - 0.5, j - 0.5 * width), 1, width, color="white", lw=0))
                 plan.add_patch(
                     Rectangle((i - 0.5, j - 0.5 * width), 1, width, color=WARP, alpha=0.85, lw=0)

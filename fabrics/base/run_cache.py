@@ -98,6 +98,11 @@ def key(inputs: object, *modules: str) -> str:
     ).hexdigest()[:32]
 
 
+# metadata of a field that a dataclass got after digests of it had been kept in files: at its default
+# it adds nothing, so that those digests hold
+ADDED_LATER = {"added_later": True}
+
+
 def inputs_digest(inputs: object) -> str:
     """Digest a value.
 
@@ -124,7 +129,11 @@ def _feed(hasher, value):
         hasher.update(np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value) and not isinstance(value, type):
         # fields that are computed from others add nothing
-        kept = [entry.name for entry in fields(value) if entry.init]
+        kept = []
+        for entry in fields(value):
+            is_new = bool(entry.metadata.get("added_later"))
+            if entry.init and not (is_new and getattr(value, entry.name) == entry.default):
+                kept.append(entry.name)
         _mark(hasher, "dataclass", f"{type(value).__qualname__} {kept}")
         for name in kept:
             _feed(hasher, getattr(value, name))

@@ -32,6 +32,7 @@ from fabrics.fabric_tables import (
     Solids,
 )
 from fabrics.families.strain_rate import RateLaw
+from fabrics.pattern import PLAIN
 from fabrics.solid import SolidLaw
 from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
@@ -115,13 +116,14 @@ def _fabric(file, data, sources, path):
     """The Fabric of a checked file with its numbers; `sources` also gets what is computed."""
     # what can be computed is, and says so in its source
     thickness = _value(file.thickness)
-    crimp, computed = _crimps(file, thickness, sources)
+    pattern = file.weave or PLAIN
+    crimp, computed = _crimps(file, thickness, sources, pattern)
     # a wrong mass also spoils strength and thickness: it is reported first
     masses = data_sheet.mass_notes(file, crimp)
     strengths: dict[str, list[str]] = {}
     warp = _yarn("warp", file, crimp[0], strengths)
     weft = _yarn("weft", file, crimp[1], strengths)
-    weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value)
+    weave = Weave(warp, weft, file.warp.count.value, file.weft.count.value, pattern)
     notes = [f"note: {' and '.join(names)}: {text}" for text, names in strengths.items() if text]
     notes += data_sheet.thickness_note(weave, thickness) if thickness else []
     notes += [*masses, *data_sheet.width_notes(file)]
@@ -151,8 +153,9 @@ def _fabric(file, data, sources, path):
             "status": length.status,
         }
     names = ("crimp",) * computed + ("failure_length",) * (own_length is None)
-    # the fabrics of the thesis are shot as in the thesis
+    # the fabrics of the thesis are plain weaves, and shot as in the thesis
     if path.parent != _FOLDER:
+        names += ("weave",) * (file.weave is None)
         names += data_sheet.OF_SHOTS
     ranges = {}
     guessed = []
@@ -235,14 +238,14 @@ def _of_both(table, key, pair, build):
     return both, both
 
 
-def _crimps(file, thickness, sources):
+def _crimps(file, thickness, sources, pattern):
     """((warp, weft) crimp, whether one of them was computed from the thickness)."""
     known = tuple(_value(yarn.crimp) for yarn in file.yarns.values())
     if None not in known:
         return known, False
     # half cell lengths along warp and weft
     cells = (0.5 / file.weft.count.value, 0.5 / file.warp.count.value)
-    crimp = data_sheet.crimps(cells, thickness, known)
+    crimp = data_sheet.crimps(cells, thickness, known, pattern=pattern)
     for family, given, value in zip(FAMILIES, known, crimp):
         if given is None:
             entry = {

@@ -43,8 +43,10 @@ def from_weave(
 
     Raises
     ------
-    InputError : the fabric has no thickness, since neither of its yarns is crimped
+    InputError : the fabric has no thickness, since neither of its yarns is crimped, or its weave is
+        not plain
     """
+    weave.require_plain("the trellis law of a fibre family; give [shear]")
     if not weave.thickness > 0:
         raise InputError(
             "the trellis law cannot be derived: neither yarn is crimped, so that the fabric is flat"

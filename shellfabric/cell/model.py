@@ -90,6 +90,7 @@ class CellModel:
             refuse(self, "stiffening", "at least 0")
         if not 1 <= self.reach < np.inf:
             refuse(self, "reach", "at least 1")
+        self.fabric.weave.require_plain("the cell of a crossover and all panels and coupons of it")
         if not 0 <= self.crossover_gap <= sum(self.h0):
             refuse(self, "crossover_gap", "at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.cell_model == "compressible":

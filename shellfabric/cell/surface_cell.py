@@ -67,6 +67,7 @@ class SurfaceCell:
     def __post_init__(self):
         if self.cell_formulation not in FORMS:
             refuse(self, "cell_formulation", " or ".join(FORMS))
+        self.fabric.weave.require_plain("a surface sampled from one crossover")
         if self.surface.fabric and self.surface.fabric != self.fabric.name:
             raise InputError(
                 key="surface", value=self.surface.fabric, allowed=f"one of {self.fabric.name}"

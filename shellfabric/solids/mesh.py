@@ -14,6 +14,7 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
+from fabrics.pattern import PLAIN
 from meshing.mesh import YarnMesh
 
 
@@ -101,8 +102,8 @@ class SolidMesh:
 
     def over(self, yarn: int, other: int) -> bool:
         """Tell whether a yarn lies over one of the other family."""
-        warp_over = (self.numbers[yarn] + self.numbers[other]) % 2 == 0
-        return warp_over == (self.families[yarn] == 0)
+        warp_over = PLAIN.is_warp_up(self.numbers[yarn], self.numbers[other])
+        return bool(warp_over) == (self.families[yarn] == 0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -308,7 +308,7 @@ class YarnPanel(Panel):
             self.table.model,
             (rows.size, columns.size),
             origin=(x, y),
-            warp_up=(i0 + j0 + middle) % 2 == 0,
+            warp_up=bool(self.fabric.weave.pattern.is_warp_up(i0 + j0 + middle, 0)),
             images=self.images,
             middle=(near[0] - i0 - 1, near[1] - j0 - 1),
             friction=self.resolved.friction,

@@ -288,9 +288,10 @@ class YarnPatch:
         """Return (yarns, crossings of a yarn) 1 where a yarn of the family is on top, -1 where it
         is below."""
         _, yarns, _ = self.layout
-        parity = np.add.outer(np.arange(yarns[family]), np.arange(yarns[1 - family])) % 2
-        top = 1.0 if self.warp_up == (family == 0) else -1.0
-        return top * (1.0 - 2.0 * parity)
+        own, across = np.ix_(np.arange(yarns[family]), np.arange(yarns[1 - family]))
+        # one yarn on, the warp of plain weave is below at the first crossing
+        shift = 0 if self.warp_up else 1
+        return self.weave.pattern.sides(family, own + shift, across)
 
     def _failing(self, dt):
         """Arrays of the failure criterion, by name."""

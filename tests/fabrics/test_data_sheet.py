@@ -31,7 +31,7 @@ def test_crimp_gives_the_thickness_back(path):
     assert fabric.weave.h01 / sum(fabric.weave.h0) == pytest.approx(
         data_sheet.entries()["warp_share"].value
     )
-    assert fabric.assumed == ("crimp", "failure_length", *data_sheet.OF_SHOTS)
+    assert fabric.assumed == ("crimp", "failure_length", "weave", *data_sheet.OF_SHOTS)
     assert fabric.sources["warp.crimp"]["status"] == "derived"
     stated = si(fabric.sources["areal_density"]["value"], "kg/m^2")
     assert fabric.weave.areal_density == pytest.approx(stated, rel=0.02)
@@ -98,7 +98,7 @@ def test_a_failure_length_that_is_given_is_not_assumed(tmp_path):
         "source": "a test",
         "status": "user",
     }
-    assert fabric.assumed == ("crimp", *data_sheet.OF_SHOTS)
+    assert fabric.assumed == ("crimp", "weave", *data_sheet.OF_SHOTS)
     assert assumed.failure_length_ends(fabric) == {}
 
 
@@ -140,7 +140,7 @@ def test_strength_needs_no_failure_strain_and_a_modulus_may_be_a_specific_stress
 
 def test_thickness_and_areal_density_are_compared_with_what_follows_from_crimp_and_count(tmp_path):
     fabric = load(tmp_path, TWARON.replace("count", 'crimp = "2 %"\ncount'))
-    assert fabric.assumed == ("failure_length", *data_sheet.OF_SHOTS)
+    assert fabric.assumed == ("failure_length", "weave", *data_sheet.OF_SHOTS)
     assert (
         "note: the crimps give a thickness of 0.330 mm, the file states 0.3 mm; the crimps are used"
         in fabric.notes

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fabrics.base.checks import FloatArray, IntArray
+from fabrics.pattern import PLAIN
 from meshing.mesh import YarnMesh
 
 
@@ -56,7 +57,7 @@ class Images:
             return self._mesh.grids[yarn]
         if (yarn, m, n) not in self._found:
             base = self._mesh.grids[yarn]
-            flips = self._parity < 0 and (m + n) % 2 != 0
+            flips = self._parity < 0 and not PLAIN.is_warp_up(m, n)
             if flips:
                 base = base[:, :, ::-1]
             points = self.points[base]

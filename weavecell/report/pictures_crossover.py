@@ -12,6 +12,7 @@ import numpy as np
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.fabric import Fabric
+from fabrics.pattern import PLAIN
 from fabrics.plate_curve import PlateCurve
 from weavecell.report.pictures_style import FAINT, FITTED, GREEN, INK, ORANGE, WARP, WEFT
 
@@ -272,7 +273,7 @@ def _glides(mesh, x):
         for m in (0, 1):
             for n in (0, 1):
                 moved = points + m * steps[0] + n * steps[1]
-                if (m + n) % 2:
+                if not PLAIN.is_warp_up(m, n):
                     moved[:, 2] = 2 * levels[id(grid)] - moved[:, 2]
                 yield moved
 

@@ -31,11 +31,14 @@ from fabrics.base.files import replace_whole
 from fabrics.base.units import refused, si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import OF_FABRIC, OF_YARN
+from fabrics.pattern import Pattern
 from weavecell.scenes import curves, sheet_names
 from weavecell.scenes.missing_values import BREAKING, OF_STRIP, Value, complete
 
 # row of a CSV file, and key of the file that is made of it
 IDEALISED = "idealised"
+# the key of a text, not of a number
+WEAVE = "weave"
 # of both yarns
 REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
 ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
@@ -93,13 +96,15 @@ class Draft:
         ]
         lines += [] if self.family is None else [f"family = {_quote(self.family)}"]
         lines += ["idealised = true"] * self.idealised
+        if WEAVE in self.values:
+            lines.append(f"{WEAVE} = {_quote(self.values[WEAVE].warp)}")
         for key, value in self.values.items():
             if key in OF_FABRIC:
                 lines.append(f"{key} = {_entry(value.warp, value.source, value.status)}")
         for family in ("warp", "weft"):
             lines += ["", f"[{family}]"]
             for key, value in self.values.items():
-                if key not in OF_FABRIC:
+                if key not in OF_FABRIC and key != WEAVE:
                     ends = value.ranges.get(family)
                     entry = _entry(getattr(value, family), value.source, value.status, ends)
                     lines.append(f"{key} = {entry}")
@@ -179,6 +184,8 @@ def read_values(
             problems.append(InputError(message, file=path, key=line, allowed="given once"))
         elif key == IDEALISED:
             continue
+        elif key == WEAVE:
+            values[key] = _weave(cells, line, path)
         elif (value := _row(cells, line, path, problems, idealised)) is not None:
             values[key] = value
     values = complete(values, family)
@@ -212,6 +219,20 @@ def _is_idealised(rows, path, problems):
             problems.append(InputError(file=path, key=where, value=value, allowed=allowed))
         return text.lower() == "true"
     return False
+
+
+def _weave(entry, line, path):
+    """The Value of the row that names the weave."""
+    for column in ("weft", "status"):
+        if entry.get(column):
+            where = f"{line}, {WEAVE}, {column}"
+            allowed = "left out: the weave is one of both families, in the column warp"
+            raise InputError(file=path, key=where, value=entry[column], allowed=allowed)
+    try:
+        pattern = Pattern.read(entry["warp"])
+    except InputError as problem:
+        raise problem.changed(file=path, key=f"{line}, {WEAVE}") from None
+    return Value(pattern.name, "", entry.get("source") or Path(path).name)
 
 
 def _row(entry, line, path, problems, idealised):

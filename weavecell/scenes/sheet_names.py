@@ -13,7 +13,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
 from fabrics.base.units import NUMBER
 
 LOG = logging.getLogger("weavecell")
@@ -112,10 +111,6 @@ def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[
     ----------
     rows : with the cells key, warp and, if wanted, others
     keys : that are known; a row of none stays as it is
-
-    Raises
-    ------
-    InputError : a weave that is not plain
     """
     known = {_fold(key): key for key in keys}
     for key, names in NAMES.items():
@@ -127,7 +122,7 @@ def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[
             LOG.info(f"{path}: left out, {line}: {written} {cells['warp']}".rstrip())
             continue
         if name in WEAVE:
-            _refuse_other_weaves(cells, line, path)
+            yield line, cells | {"key": "weave"}
             continue
         key = known.get(name, written)
         if name in known and name != _fold(key):
@@ -156,11 +151,3 @@ def _with_unit(cells: Mapping[str, str], unit: str) -> dict[str, str]:
         if unit and NUMBER.fullmatch(text):
             changed[family] = f"{text} {unit}"
     return changed
-
-
-def _refuse_other_weaves(cells, line, path):
-    """Refuse a weave that is not computed."""
-    weave = cells["warp"]
-    if "plain" not in weave.lower() and weave.lower() not in ("1/1", "tabby", "linen"):
-        where = f"{line}, {cells['key']}"
-        raise InputError(file=path, key=where, value=weave, allowed="plain: all models are of it")

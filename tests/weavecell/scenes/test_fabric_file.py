@@ -91,7 +91,7 @@ TYPED = """data sheet
 
 def test_prompts_that_are_left_empty_ask_for_thickness_and_tenacity(tmp_path):
     fabric = prompted(tmp_path, TYPED)
-    assert fabric.assumed == ("crimp", "failure_length", *OF_SHOTS)
+    assert fabric.assumed == ("crimp", "failure_length", "weave", *OF_SHOTS)
     assert fabric.weave.warp.strength == pytest.approx(218.55)
 
 

@@ -55,7 +55,7 @@ def test_a_number_alone_has_the_unit_behind_its_name(name, tmp_path):
 
 def test_descriptions_are_left_out_and_told(tmp_path, caplog):
     caplog.set_level("INFO", "weavecell")
-    rows = {"Style": ("K 1", ""), "Roll width": ("150 cm", ""), "Weave": ("Plain 1/1", "")} | PLAIN
+    rows = {"Style": ("K 1", ""), "Roll width": ("150 cm", "")} | PLAIN
     assert fabric_file.read_values(sheet(tmp_path, rows)) == fabric_file.read_values(
         sheet(tmp_path, PLAIN)
     )
@@ -63,11 +63,18 @@ def test_descriptions_are_left_out_and_told(tmp_path, caplog):
     assert "left out, line 3: Roll width 150 cm" in caplog.text
 
 
-@pytest.mark.parametrize("weave", ["2/2 twill", "basket 2x2", "satin"])
-def test_another_weave_is_refused(weave, tmp_path):
+def test_a_weave_of_a_sheet_is_that_of_the_fabric_file(tmp_path):
+    rows = {"Weave pattern": ("2/2 Twill", "")} | PLAIN
+    values, _ = fabric_file.read_values(sheet(tmp_path, rows))
+    fabric = fabric_file.Draft("own", values).write(tmp_path / "own.toml")
+    assert fabric.weave.pattern.name == "twill 2/2"
+    assert 'weave = "twill 2/2"' in (tmp_path / "own.toml").read_text()
+
+
+def test_a_weave_of_no_pattern_is_refused(tmp_path):
     with pytest.raises(InputError) as refused:
-        fabric_file.read_values(sheet(tmp_path, {"Weave": (weave, "")} | PLAIN))
-    for word in ("sheet.csv", "line 2, Weave", weave, "plain"):
+        fabric_file.read_values(sheet(tmp_path, {"Weave": ("triaxial", "")} | PLAIN))
+    for word in ("sheet.csv", "line 2, weave", "triaxial", "twill 2/2"):
         assert word in str(refused.value)
 
 

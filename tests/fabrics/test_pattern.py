@@ -1,0 +1,201 @@
+"""Patterns of weaves: names, interlacings, sides; one place that knows them; plain alone is computed."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import weavecell as wc
+from fabrics import assumed, catalogue, variants
+from fabrics.base.errors import InputError
+from fabrics.base.run_cache import ADDED_LATER, inputs_digest
+from fabrics.pattern import PLAIN, Pattern
+from fabrics.weave import Weave
+from meshing.mesh_plan import Plan
+from weavecell.cli.app import program
+
+ROOT = Path(__file__).parents[2]
+# (i + j) of numbers of elements, not of yarns
+NO_PARITY_OF_YARNS = {"shellfabric/coupon/quasistatic.py"}
+# Kevlar 29 style 735
+SHEET = """
+thickness = "0.60 mm"
+{weave}
+[warp]
+linear_density = "1500 denier"
+fibre_density = "1.44 g/cm^3"
+modulus = "70.5 GPa"
+failure_strain = "3.6 %"
+count = "35 / inch"
+[weft]
+linear_density = "1500 denier"
+fibre_density = "1.44 g/cm^3"
+modulus = "70.5 GPa"
+failure_strain = "3.4 %"
+count = "34 / inch"
+[compression]
+a = "0.08 mm"
+b = "0.08 mm N^(1/3)"
+"""
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Write the sheet with a weave."""
+
+    def write(weave):
+        path = tmp_path / "k735.toml"
+        path.write_text(SHEET.format(weave=f'weave = "{weave}"' if weave else ""))
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    "text, rows",
+    [
+        ("Plain 1/1", "+-/-+"),
+        ("tabby", "+-/-+"),
+        ("2x2 basket", "++--/++--/--++/--++"),
+        ("matt 1/2", "++--/--++"),
+        ("Twill 2x1", "++-/-++/+-+"),
+        ("2/2 twill", "++--/-++-/--++/+--+"),
+        ("5HS", "-++++/++-++/++++-/+-+++/+++-+"),
+        ("crow's foot", "-+++/++-+/+++-/+-++"),
+    ],
+)
+def test_names_are_the_rows_that_are_drawn_for_them(text, rows):
+    assert np.array_equal(Pattern.read(text).matrix, Pattern.read(rows).matrix)
+
+
+@pytest.mark.parametrize(
+    "text, shares",
+    [
+        ("plain", (1, 1)),
+        ("basket 2x3", (1 / 3, 1 / 2)),
+        ("twill 3/1", (1 / 2, 1 / 2)),
+        ("satin 5", (2 / 5, 2 / 5)),
+        ("satin 8", (1 / 4, 1 / 4)),
+        ("++-/-+-/+-+", (2 / 3, 2 / 3)),
+    ],
+)
+def test_interlacings_are_the_share_of_spacings_with_a_change(text, shares):
+    assert Pattern.read(text).interlacings == pytest.approx(shares)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "triaxial", "twill 4", "satin 6", "basket 9x2", "++/-+", "+-/+-+", "satin 8 step 4"],
+)
+def test_what_is_no_weave_is_refused(text):
+    with pytest.raises(InputError) as refused:
+        Pattern.read(text)
+    assert refused.value.key == "weave"
+
+
+def test_a_rotation_is_undone_by_three_more_and_turns_the_line_of_a_twill():
+    twill = Pattern.read("twill 3/1")
+    four = twill.rotated().rotated().rotated().rotated()
+    assert np.array_equal(four.matrix, twill.matrix)
+    # the weft, on top a quarter of the way, is the warp of the rotated fabric
+    assert twill.matrix.mean() == 0.75
+    assert twill.rotated().matrix.mean() == 0.25
+    assert PLAIN.rotated() is PLAIN
+
+
+def test_both_families_see_one_crossing_from_two_sides():
+    satin = Pattern.read("satin 5")
+    warp, weft = np.ix_(np.arange(-7, 6), np.arange(-3, 9))
+    assert np.array_equal(satin.sides(0, warp, weft), -satin.sides(1, weft, warp))
+
+
+def test_crimp_of_a_thickness_is_that_of_plain_weave_times_the_interlacings(own):
+    plain = catalogue.load(own(None)).weave
+    basket = catalogue.load(own("basket 2x2")).weave
+    assert basket.warp.crimp == pytest.approx(plain.warp.crimp / 2)
+    assert basket.weft.crimp == pytest.approx(plain.weft.crimp / 2)
+    assert basket.h0 == pytest.approx(plain.h0)
+    assert basket.thickness == pytest.approx(0.6e-3)
+
+
+def test_a_weave_that_is_not_stated_is_assumed_and_told(own):
+    told = assumed.lines(catalogue.load(own(None)))
+    assert "assumed: plain weave, because k735 states none" in told
+    for weave in ("plain", "twill 2/2"):
+        assert not any("weave," in line for line in assumed.lines(catalogue.load(own(weave))))
+    # all fabrics of the catalogue are plain weaves
+    assert "weave" not in catalogue.load("S-720").assumed
+
+
+def test_a_rotated_fabric_has_its_weft_on_top_where_the_warp_was(own):
+    fabric = catalogue.load(own("twill 3/1"))
+    assert variants.rotated_90(fabric).weave.pattern.matrix.mean() == 0.25
+
+
+def test_a_plain_weave_keeps_its_digest_and_another_has_its_own(own):
+    assert Weave.__dataclass_fields__["pattern"].metadata == ADDED_LATER
+    plain, stated, twill = (
+        inputs_digest(catalogue.load(own(weave)).weave) for weave in (None, "plain", "twill 2/2")
+    )
+    assert plain == stated != twill
+    # of commit 944fc391, before a weave had a pattern
+    assert (
+        inputs_digest(catalogue.load("S-720").weave)
+        == "8a6dc72fd7fa5113a84fb44d186114356c6d208b25bc9026de6bb05b6ce1e388"
+    )
+
+
+def test_every_model_refuses_a_weave_that_is_not_plain(own, tmp_path):
+    path = own("twill 2/2")
+    fabric = catalogue.load(path)
+    models = {
+        "cell": lambda: wc.biaxial(path),
+        "pinned panel": lambda: wc.setup(path, "90 m/s").run(),
+        "resolved yarns": lambda: wc.setup(path, "90 m/s", crossovers="yarns").run(),
+        "solid yarns": lambda: Plan.of(fabric, size="coarse", shift=False),
+    }
+    for name, run in models.items():
+        with pytest.raises(InputError) as refused:
+            run()
+        assert "plain for" in str(refused.value), name
+        assert "twill 2/2" in str(refused.value), name
+
+
+def test_no_other_place_writes_the_parity_of_crossings():
+    found = set()
+    for package in ("fabrics", "meshing", "shellfabric", "unitcell3d", "weavecell", "tools"):
+        for path in (ROOT / package).rglob("*.py"):
+            name = str(path.relative_to(ROOT))
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            if name not in NO_PARITY_OF_YARNS and any(map(_is_parity, ast.walk(tree))):
+                found.add(name)
+    assert not found
+
+
+def _is_parity(node):
+    """Whether a node is (i + j) % 2 or (-1) ** (i + j)."""
+    if not isinstance(node, ast.BinOp):
+        return False
+    sides = ast.unparse(node.left), ast.unparse(node.right)
+    if isinstance(node.op, ast.Pow):
+        return sides[0] in ("-1", "-1.0") and "+" in sides[1]
+    if not isinstance(node.op, ast.Mod) or sides[1] != "2":
+        return False
+    return "add.outer" in sides[0] or isinstance(getattr(node.left, "op", None), ast.Add)
+
+
+@pytest.mark.parametrize("command", ["biaxial", "mesh", "calibrate", "impact"])
+def test_a_command_refuses_it_in_one_line_and_writes_nothing(command, own, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    target = str(own("satin 5"))
+    if command == "impact":
+        scene = '[fabric]\nfile = "k735.toml"\n[projectile]\nname = "FSP 1.10 g"\nstrike_velocity = "90 m/s"\n'
+        (tmp_path / "shot.toml").write_text(scene + '[panel]\nopening = "101 mm"\n')
+        target = "shot.toml"
+    done = CliRunner().invoke(program(), [command, target, "--out", "made"])
+    assert done.exit_code == 2
+    assert "satin 5" in done.output
+    assert "plain for" in done.output
+    assert not (tmp_path / "made").exists()
