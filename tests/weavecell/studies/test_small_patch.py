@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from pathlib import Path
 from types import SimpleNamespace as Given
 
 import numpy as np
@@ -20,6 +21,8 @@ from shellfabric.yarns.model import YarnZone
 from weavecell.api.patches import PatchResult
 from weavecell.studies import small_patch
 from weavecell.studies.small_patch import SmallPatch, Struck
+
+OWN = Path(__file__).parent.parent / "own_fabrics"
 
 
 def shot_of(radius):
@@ -178,3 +181,14 @@ def test_models_are_compared_until_the_first_failure_or_end():
     assert small_patch.largest_difference(struck[0], struck[2], 14e-6, 60.0) == pytest.approx(
         10.0 * 14 / 50 / 60
     )
+
+
+def test_a_patch_of_pinned_yarns_has_the_friction_of_its_own_fibres():
+    """0.12 of UHMWPE, where 0.2 is that of fibres without a number of their own; one that is given stays."""
+    fabric = catalogue.load(OWN / "uhmwpe-1760.toml")
+    pinned = replace(SHOT, fabric=fabric)
+    patched = SmallPatch(pinned, 12, "gap")
+    assert patched.friction == patched.yarns_setup().crossovers.friction == 0.12
+    assert SmallPatch(SHOT, 12, "gap").friction == 0.2
+    given = replace(pinned, instead=YarnZone(friction=0.17))
+    assert SmallPatch(given, 12, "gap").friction == 0.17
