@@ -1,23 +1,32 @@
 """Panels and packs of a V50, drawn from a seed and a number alone.
 
 The yarns differ in strength (`shellfabric.impact.strengths`). Modulus, and the crimp of either
-family, are one log-normal value for all plies, which are cut from one roll. Resolved yarns are
-struck anywhere in a cell of the weave.
+family, are one log-normal value for all plies, which are cut from one roll.
+
+Resolved yarns are struck anywhere in a repeat of the weave, by a nose that has turned about its axis
+by any angle: nobody aims at a crossover, nor holds the roll of a fragment. Places and rolls are
+spread: point k of a Sobol sequence, shifted by what the seed draws. Pinned yarns have no places, and
+keep the roll that is given.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import log, sqrt
+from math import log, pi, remainder, sqrt
 
 import numpy as np
+from scipy.stats import qmc
 
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.plies.model import Pack
-from shellfabric.yarns.model import aim
+from shellfabric.projectile.projectile import Projectile
 from weavecell.studies.inputs import Scatter, scale_setup, use_one_thread
+
+# [spacings] along warp and weft from a crossover: every other place of a plain weave is the image of
+# one in here, by the middle lines of the yarns and by a step along both families
+PLACES = 0.5, 1.0
 
 
 @dataclass(frozen=True)
@@ -53,7 +62,9 @@ def draw_panel(
     check(whole, scatter)
     if whole.crossovers is not None:
         zone = replace(whole.crossovers, seed=(seed, number))
-        whole = replace(whole, impact_point=draw_aim(whole, seed, number), crossovers=zone)
+        aim = draw_aim(whole, seed, number)
+        nose = draw_roll(whole.projectile, seed, number)
+        whole = replace(whole, impact_point=aim, projectile=nose, crossovers=zone)
     factors = draw_factors(scatter, seed, number * (stride or whole.plies))
     if all(factor == 1 for factor in factors.values()):
         pack = whole.target(whole.table(kept=True))
@@ -67,10 +78,35 @@ def draw_panel(
 
 
 def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
-    """Draw the impact point [m] of a number, anywhere in a cell of the weave about that of the
-    set-up."""
-    x, y = aim(setup.fabric.weave, [seed, number])
-    return setup.impact_point[0] + x, setup.impact_point[1] + y
+    """Draw the impact point [m] of a number: in a repeat of the weave, from the crossover that is
+    nearest to the set-up's."""
+    spread = _spread(seed, number)
+    found = []
+    for point, half, share, reach in zip(setup.impact_point, setup.fabric.weave.w, spread, PLACES):
+        spacing = 2 * half
+        found.append(float(spacing * (round(point / spacing) + share * reach)))
+    return found[0], found[1]
+
+
+def draw_roll(nose: Projectile, seed: int, number: int) -> Projectile:
+    """Draw the roll of the nose of a number, beyond its own: any angle of a half turn, after which a
+    chisel is the same; of a body of an STL file of a full one."""
+    if nose.known.turned:
+        return nose
+    turn = pi
+    if nose.known.from_file:
+        turn = 2 * pi
+    roll = nose.roll + turn * float(_spread(seed, number)[2])
+    return replace(nose, roll=remainder(roll, 2 * pi))
+
+
+def _spread(seed, number):
+    """(3,) shares of the places along warp and weft and of the roll: of the numbers from 0 on they are
+    spread evenly, each by itself may be anywhere."""
+    sobol = qmc.Sobol(3, scramble=False)
+    if number:  # scipy does not go forward by nothing
+        sobol.fast_forward(number)
+    return (sobol.random(1)[0] + np.random.default_rng(seed).uniform(size=3)) % 1.0
 
 
 def check(setup: ImpactSetup, scatter: Scatter) -> None:

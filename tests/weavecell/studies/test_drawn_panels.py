@@ -1,13 +1,14 @@
 """What studies draw: numbers of shots, panels that are all different, and the moments of many draws."""
 
 from dataclasses import replace
-from math import sqrt
+from math import pi, sqrt
 
 import numpy as np
 import pytest
 
 from fabrics import catalogue
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
 from weavecell.studies import inputs, strengths, v50
 from weavecell.studies.ballistic_limit import Limit
@@ -94,15 +95,54 @@ def test_modulus_and_crimp_go_to_their_own_numbers(setup):
         assert getattr(getattr(scaled, family), name) == pytest.approx(factor * before)
 
 
-def test_impact_points_fill_a_cell_of_the_weave(setup):
-    """Uniform between two crossovers each way, along warp and weft by their own spacings, about the given point."""
-    given = replace(
-        setup, plies=1, opening=0.04, impact_point=(1e-3, 3e-3), crossovers=YarnZone(8e-3)
-    )
-    points = np.array([strengths.draw_aim(given, 5, number) for number in range(MANY // 4)])
-    spacing = 2 * np.array(given.fabric.weave.w)
-    assert points.mean(axis=0) == pytest.approx(given.impact_point, abs=0.05 * spacing.max())
-    assert np.ptp(points, axis=0) == pytest.approx(2 * spacing, rel=0.01)
-    assert points.std(axis=0) == pytest.approx(spacing / sqrt(3), rel=0.03)
-    assert spacing[0] != spacing[1]
-    assert abs(np.corrcoef(points.T)[0, 1]) < 5 / sqrt(len(points))
+@pytest.fixture(scope="module")
+def struck(setup):
+    """Resolved yarns of two unlike spacings, aimed at beside a crossover, by a chisel that is turned."""
+    radius = 2e-3
+    flats = {"flat_width": 0.94 * radius, "flat_angle": 0.61}
+    chisel = Projectile(1e-3, radius, edge_radius=1e-4, shape="chisel", roll=6.0, **flats)
+    w1, w2 = setup.fabric.weave.w
+    given = {"impact_point": (2 * w1 * 1.3, 2 * w2 * -1.8), "crossovers": YarnZone(8e-3)}
+    return replace(setup, plies=1, opening=0.06, projectile=chisel, **given)
+
+
+def test_impact_points_fill_what_symmetry_leaves_of_a_repeat(struck):
+    """Half a spacing along the warp, a whole one along the weft, from the crossover next to the given point."""
+    points = np.array([strengths.draw_aim(struck, 5, number) for number in range(256)])
+    shares = points / (2 * np.array(struck.fabric.weave.w)) - [1.0, -2.0]
+    assert shares.min(axis=0) == pytest.approx([0.0, 0.0], abs=0.01)
+    assert shares.max(axis=0) == pytest.approx([0.5, 1.0], abs=0.01)
+    assert shares.mean(axis=0) == pytest.approx([0.25, 0.5], abs=0.005)
+    # independent ones have this standard deviation of it
+    assert abs(np.corrcoef(shares.T)[0, 1]) < 1 / sqrt(len(points))
+
+
+@pytest.mark.parametrize("seed", [2, 9])
+def test_few_shots_are_spread_over_places_and_rolls(struck, seed):
+    """Of eight shots one has each eighth of the places along warp and weft and of the rolls; the seed shifts them."""
+    spread = np.array([strengths._spread(seed, number) for number in range(8)])
+    shift = np.random.default_rng(seed).uniform(size=3)
+    eighths = np.floor(8 * ((spread - shift) % 1.0) + 1e-9).astype(int)
+    for column in eighths.T:
+        assert sorted(column) == list(range(8))
+
+
+def test_the_roll_of_a_chisel_is_drawn_and_that_of_a_sphere_is_not(struck):
+    rolls = []
+    for number in range(64):
+        nose = strengths.draw_roll(struck.projectile, 5, number)
+        assert replace(nose, roll=6.0) == struck.projectile
+        rolls.append((nose.roll - 6.0) % (2 * pi))
+    assert 0.0 <= min(rolls) < 0.1
+    assert pi - 0.1 < max(rolls) < pi
+    sphere = Projectile(1e-3, 2e-3, shape="sphere")
+    assert strengths.draw_roll(sphere, 5, 3) is sphere
+
+
+def test_a_drawn_panel_of_resolved_yarns_has_its_place_and_roll_and_one_of_pinned_yarns_not(struck):
+    drawn = strengths.draw_panel(struck, SCATTER, 5, 3).pack.plies[0]
+    assert drawn.impact_point == strengths.draw_aim(struck, 5, 3)
+    assert drawn.projectile.roll == strengths.draw_roll(struck.projectile, 5, 3).roll != 6.0
+    pinned = replace(struck, crossovers=None)
+    ply = strengths.draw_panel(pinned, SCATTER, 5, 3).pack.plies[0]
+    assert (ply.impact_point, ply.projectile.roll) == (struck.impact_point, 6.0)
