@@ -205,7 +205,7 @@ class ComputedPlan(Plan["ComparisonResult"]):
     def forecast(self) -> WorkSize:
         """Say what is compared: it takes no shot."""
         title = " or ".join(one.target.title for one in (self.a, self.b))
-        return WorkSize(title, {"shots": 0})
+        return WorkSize(title, {"shot": 0})
 
     def run(self, running: Running) -> ComparisonResult:
         """Compare."""

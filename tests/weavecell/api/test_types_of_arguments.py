@@ -20,6 +20,7 @@ from weavecell.api.execution import ResumableKeywords
 from weavecell.api.keywords import Keywords
 from weavecell.api.result import Result
 from weavecell.report import installed
+from weavecell.studies import ballistic_limit
 
 ROOT = Path(__file__).parents[3]
 SMALL = {"opening": "26 mm", "end_time": "12 us"}
@@ -65,6 +66,13 @@ AT_ONCE = {
     "view": ("none",),
 }
 ODD = [True, object(), b"x", 2j, float("nan"), [], {}, "", Decimal("NaN"), pd.Series([1.5, np.nan])]
+
+
+def fire(setup, velocity, time, stops_below=0.0):
+    """An invented shot; nothing stops it above 104 m/s."""
+    residual = max(velocity**2 - 104.0**2, 0.0) ** 0.5
+    outcome = "perforated" if residual else "stopped"
+    return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 3.0, (90.0, 70.0), 0.003, 0.5)
 
 
 def list_functions():
@@ -310,3 +318,15 @@ def test_a_fabric_is_swept_as_by_its_name():
     by_object = wc.sweep.plan(wc.fabric("S-720"), over=over)
     for named, given in zip(by_name.panels, by_object.panels):
         assert replace(given.setup, snapshot_interval=named.setup.snapshot_interval) == named.setup
+
+
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
+def test_limits_that_are_computed_are_compared(monkeypatch):
+    monkeypatch.setattr(ballistic_limit, "_fire", fire)
+    given = {"opening": "50 mm", "elements_per_crossover": 1}
+    a, b = (wc.critical_velocity(name, **given) for name in ("S-720", "S-728"))
+    found = wc.compare(a, b)
+    assert (found.quantity, found.a, found.b) == ("critical-velocity", a, b)
+    assert "\n0 shots" in str(wc.compare(a, b, check=True))
+    with pytest.raises(InputError, match="beside results"):
+        wc.compare(a, b, shots=40)
