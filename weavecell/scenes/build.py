@@ -414,13 +414,15 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].number
+        if "symmetry" not in panel.model_fields_set:
+            given["symmetry"] = _modelled_part(panel, given["projectile"])
         fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
         zone = _build_yarn_zone(panel, fabrics)
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
-            mirrors = SYMMETRIES[panel.symmetry]
+            mirrors = SYMMETRIES[given["symmetry"]]
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed, mirrors)
         _check_positions(scene.history, panel.opening)
         made = ShortSetup(**given)
@@ -430,6 +432,19 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     for note in made.notes if file is not None else ():
         LOG.info(f"note: {note}")
     return made
+
+
+def _modelled_part(panel, projectile):
+    """The smallest part of a panel that stands for the whole, where none is asked for: a plane of
+    symmetry is one of the shot, of the place that it hits, and of the weave."""
+    from shellfabric.membrane.grid import SYMMETRIES
+
+    wanted = SYMMETRIES[panel.symmetry]
+    planes = tuple(
+        plane and projectile.mirrored(axis) and offset == 0 and panel.weave_angle == 0
+        for axis, (plane, offset) in enumerate(zip(wanted, panel.impact_point or (0.0, 0.0)))
+    )
+    return next(name for name, has in SYMMETRIES.items() if has == planes)
 
 
 def _check_positions(history, opening):

@@ -344,7 +344,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
             "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
             "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
             "directions, in a plane of symmetry 0. A point on the second axis may have the symmetry `half`, one on "
-            "the first `other half`; others off the middle need `whole`",
+            "the first `other half`, others off the middle `whole`",
             "m",
             "a list of two lengths",
             '["20 mm", "0 mm"]',
@@ -360,7 +360,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         one_of(
             "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg); "
             "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn: a "
-            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel",
+            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel. If not given: "
+            "the smallest part that stands for the whole",
             "quarter",
             "half",
             "other half",
