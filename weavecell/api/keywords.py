@@ -70,14 +70,15 @@ class Keywords(TypedDict, total=False):
     impact_point : point that the projectile hits, from the middle of the opening along its two
         sides. If not given: the middle, or with resolved yarns a quarter of a spacing beside the
         crossover there, in both directions, in a plane of symmetry 0. A point on the second axis
-        may have the symmetry `half`, one on the first `other half`; others off the middle need
-        `whole` [m]; a list of two lengths, such as ["20 mm", "0 mm"]
+        may have the symmetry `half`, one on the first `other half`, others off the middle `whole`
+        [m]; a list of two lengths, such as ["20 mm", "0 mm"]
     boundary : how the yarns end at the frame; "clamped", "free", a table of a slipping side for all
         four, or a table { warp = ..., weft = ... } of sides
     symmetry : modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0
         (azimuth 90 deg); other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the
         middle line of a yarn: a quarter is struck on a crossover, a half on a yarn; if not given,
-        they have the whole panel; one of "quarter", "half", "other half", "whole"
+        they have the whole panel. If not given: the smallest part that stands for the whole; one of
+        "quarter", "half", "other half", "whole"
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100

@@ -360,8 +360,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         one_of(
             "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg); "
             "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn: a "
-            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel. If not given: "
-            "the smallest part that stands for the whole",
+            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel. "
+            "If not given: the smallest part that stands for the whole",
             "quarter",
             "half",
             "other half",
