@@ -236,7 +236,7 @@ def _plan_computed(a, b, others):
     if isinstance(a, CriticalVelocityResult) and isinstance(b, CriticalVelocityResult):
         return ComputedPlan("critical-velocity", a, b)
     kinds = f"{type(a).__name__} and {type(b).__name__}"
-    allowed = "two results of v50, two of critical_velocity, or what is then computed"
+    allowed = "two results of v50, two of critical_velocity, or what is then computed; overlay draws others"
     raise InputError(key="target, other", value=kinds, allowed=allowed)
 
 

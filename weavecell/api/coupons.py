@@ -240,6 +240,9 @@ def _case(target, test, options):
         return Case(
             fabric, 2 * (CompressionLaw.incompressible(),), scene.fabric.cell_model, scene=scene
         )
+    if law is None and fabric.laws is None and not scene.presses_yarns:
+        laws = 2 * (CompressionLaw.incompressible(),)
+        return Case(fabric, laws, build.NOT_PRESSED, scene=scene)
     laws = build.laws_of(fabric, law)
     return Case(fabric, laws, laws[0].provenance, scene=scene)
 

@@ -26,7 +26,7 @@ from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
-from weavecell.results import file_list, result_folder, run_folder, termination
+from weavecell.results import file_list, run_folder, termination
 from weavecell.results.file_list import INPUT, FileList
 
 Parameters = ParamSpec("Parameters")
@@ -142,7 +142,7 @@ def claim(
         if resume and (known.inputs or not digests):
             earlier = None
         else:
-            earlier = result_folder.name_results(place)
+            earlier = _name_results(place)
         if digests and digests != known.inputs:
             known.inputs = digests
             known.write(place)
@@ -258,11 +258,19 @@ def _refuse_folder(folder, allowed):
     return InputError(key=option("out", ""), value=str(folder), allowed=allowed)
 
 
+def _name_results(place):
+    """As `result_folder.name_results`, which knows all kinds of results: a command that writes none
+    does without them."""
+    from weavecell.results import result_folder
+
+    return result_folder.name_results(place)
+
+
 def _judge_inputs(folder, place, known, resume, inputs):
     """The digests of what is computed; a folder to resume from that holds none of them is refused."""
     digests = {run_cache.inputs_digest(given) for given in inputs}
     if resume and digests and known.inputs and digests.isdisjoint(known.inputs):
-        earlier = result_folder.name_results(place) or "an unfinished run"
+        earlier = _name_results(place) or "an unfinished run"
         others = f"this one has {earlier}, of other input or options"
         allowed = f"another folder: {others}; without {option('resume')} it is replaced"
         raise _refuse_folder(folder, allowed)

@@ -171,7 +171,10 @@ def material(
     # a response surface stands in place of the compression law
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
-    laws, law_name = _laws(table, key, plain, file, given)
+    if plain.laws is None and table.law == "published" and not getattr(scene, "presses_yarns", True):
+        laws, law_name = 2 * (CompressionLaw.incompressible(),), NOT_PRESSED
+    else:
+        laws, law_name = _laws(table, key, plain, file, given)
     if laws != plain.laws:
         fabric = plausible.noted(fabric, plausible.of_laws(laws, plain, f"{key}.law"), file=file)
     # a single ply touches no other, and a fabric without data for that is fine
@@ -312,6 +315,10 @@ def _laws(table, key, fabric, file, given):
         entry["source"] for name, entry in fabric.sources.items() if name.startswith("compression")
     )
     return laws, "published (Table 5-1)" if "Table 5-1" in sources else "published"
+
+
+# in place of a law, of a test in which yarns are not pressed
+NOT_PRESSED = "none, a picture frame shears the fabric and stretches no yarn"
 
 
 def laws_of(

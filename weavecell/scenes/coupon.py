@@ -214,6 +214,11 @@ class CouponScene(Table):
         return "optional"
 
     @property
+    def presses_yarns(self) -> bool:
+        """Whether the test needs the compression law of the yarns: a picture frame stretches none."""
+        return self.test != "picture_frame"
+
+    @property
     def test_table(self) -> Any:
         """The table of the test."""
         return getattr(self, self.test)

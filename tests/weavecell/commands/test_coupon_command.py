@@ -100,7 +100,7 @@ def test_a_number_of_an_assumed_law_says_so_in_every_place(tmp_path):
     """A picture frame of a fabric from a data sheet returns the law that was assumed for it."""
     file = Path(__file__).parents[1] / "own_fabrics" / "aramid-3300.toml"
     options = {"shear_angle": 0.4, "crossovers": 2, "steps": 2, "outputs": ["report"]}
-    found = weavecell.coupon(file, "picture_frame", cell_model="incompressible", **options)
+    found = weavecell.coupon(file, "picture_frame", **options)
     said = "[shear] of para-aramid yarns"
     shown = [line for line in found.lines() if line.startswith(("shear stress", "trellis law"))]
     assert [line[-14:] for line in shown] == [" (assumed law)"] * 2

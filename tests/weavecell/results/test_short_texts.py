@@ -66,12 +66,13 @@ def test_doubts_are_printed_and_shown(shot):
 def test_a_result_in_place_of_a_fabric_is_named(shot):
     for call in (
         lambda: wc.impact(shot, "100 m/s"),
-        lambda: wc.compare(shot, shot),
         lambda: wc.biaxial(shot),
         lambda: wc.v50(shot),
     ):
         with pytest.raises(InputError, match=r"^ShotResult: is a result; .*overlay"):
             call()
+    with pytest.raises(InputError, match=r"ShotResult and ShotResult.*overlay draws others"):
+        wc.compare(shot, shot)
     with pytest.raises(InputError, match=r"^results\[1\] = 'yesterday': must be a result"):
         wc.overlay(shot, "yesterday")
 

@@ -98,7 +98,7 @@ def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
     assert found.met == met
     assert found.velocity == pytest.approx(0.3048 * (1000.0 + spread / 2))
     few = protocol.six_shots([100.0, 110.0, 120.0], [False, True, True])
-    assert few.words().endswith("not determined, because 1 shots stopped and 2 perforated")
+    assert few.words().endswith("not determined, because 1 shot stopped and 2 perforated")
 
 
 def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
