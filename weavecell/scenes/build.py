@@ -171,7 +171,11 @@ def material(
     # a response surface stands in place of the compression law
     if table.surface is not None:
         return Material(fabric, fabric.laws, "3D response surface", _surface(table.surface, fabric))  # type: ignore[arg-type]
-    if plain.laws is None and table.law == "published" and not getattr(scene, "presses_yarns", True):
+    if (
+        plain.laws is None
+        and table.law == "published"
+        and not getattr(scene, "presses_yarns", True)
+    ):
         laws, law_name = 2 * (CompressionLaw.incompressible(),), NOT_PRESSED
     else:
         laws, law_name = _laws(table, key, plain, file, given)
