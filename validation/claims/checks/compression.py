@@ -43,6 +43,12 @@ def stiffness(name: str, plies: int = 1, table: str = "2-1") -> float:
 
     `table` of the thesis has the areal density: 2-1 measured, 5-1 of its model.
     """
+    return _stiffness(name, plies, table, cloth.in_force())
+
+
+@cache
+def _stiffness(name, plies, table, _):
+    """As `stiffness`, once for the changes that are in force."""
     fabric = cloth.load(name)
     density = fabric.areal_density_measured
     if table == "5-1":
