@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -38,14 +37,10 @@ def in_force() -> tuple[tuple[str, Any], ...]:
     return tuple((name, tuple(np.atleast_1d(factor))) for name, factor in _FACTORS.get({}).items())
 
 
-# a solver of a claim asks for the same fabric thousands of times
-_read = cache(catalogue.load)
-
-
 def load(name: str) -> Fabric:
     """Load a fabric of the catalogue, with the changes that are in force."""
     factors = _FACTORS.get({})
-    fabric = _read(name)
+    fabric = catalogue.load(name)
     if not factors:
         return fabric
     fabric = variants.scale_yarns(fabric, **{key: factors[key] for key in YARN if key in factors})
