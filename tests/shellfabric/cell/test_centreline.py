@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
+from shellfabric.cell import yarn_kernels
 from shellfabric.cell.model import CellModel
 
 FABRIC = catalogue.load("glass-unbalanced")
@@ -53,6 +54,26 @@ def plain_twin(strains):
 
     F = brentq(closing, 1e-9, 1e3, rtol=1e-12)
     return pulled(0, height(0, F)), pulled(1, height(1, F)), F
+
+
+@pytest.mark.parametrize("height", [0.02, 0.1, 0.35])
+@pytest.mark.parametrize(
+    ("curve", "curvature"),
+    [
+        (yarn_kernels.arc, yarn_kernels.arc_curvature),
+        (yarn_kernels.straight_arc, yarn_kernels.straight_curvature),
+    ],
+    ids=["cosine", "straight"],
+)
+def test_slope_and_curvature_are_those_of_the_length(curve, curvature, height):
+    """By differences over the height; without height the curvature is the limit."""
+    w = 0.7e-3
+    h = height * w
+    step = 1e-4 * h
+    above, below = curve(w, h + step), curve(w, h - step)
+    assert curve(w, h)[1] == pytest.approx((above[0] - below[0]) / (2 * step), rel=1e-5)
+    assert curvature(w, h) == pytest.approx((above[1] - below[1]) / (2 * step), rel=1e-5)
+    assert curvature(w, 0.0) == pytest.approx(curvature(w, 1e-4 * w), rel=1e-5)
 
 
 @pytest.mark.parametrize("strains", STRAINS)

@@ -104,6 +104,16 @@ def test_mass_of_panel_and_zone_is_that_of_the_fabric(table):
     assert panel.spacing == tuple(2 * w for w in panel.weave.w)
 
 
+def test_the_nose_starts_half_a_yarn_before_the_yarn_that_stands_out_most(table):
+    """Before the middle line of the yarn that is nearest, where a membrane starts at its mid-plane."""
+    panel = SETUP.panel(table)
+    moved = panel.state(60.0).projectile_position
+    moved = moved - arrays.undeformed(panel, panel.constants(), 60.0).projectile_position
+    nearest = panel.zone().x[2].min()
+    assert nearest < -1e-5
+    assert nearest - moved[2] == pytest.approx(0.25 * panel.weave.thickness, rel=0.02)
+
+
 def test_a_nose_stops_at_a_zone_of_pinned_yarns_as_at_the_membrane(table):
     """Time, deflection and tension of the straighter family; the warp gives up its crimp later than in the cell."""
     base = replace(SETUP, strike_velocity=45.0, impact_point=(0.0, 0.0), end_time=250e-6)
