@@ -533,6 +533,16 @@ def test_intervals_of_forty_drawn_series_hold_v50(protocol):
     assert without < held
 
 
+def test_the_band_of_a_curve_is_the_intervals_of_its_named_velocities():
+    """Of shots that bound V50 on their own: V0, V50 and V100 are shares of 1, 50 and 99 %."""
+    V, hit = series_of("rounds", 24, 25.0, np.random.default_rng(3))
+    curve = probit.fit(V, hit)
+    assert not curve.by_prior
+    found = probit.band(V, hit, curve, probit.NAMED.values())
+    wanted = [curve.intervals[name] for name in probit.NAMED]
+    assert found == pytest.approx(np.array(wanted), abs=1e-3)
+
+
 def test_a_study_has_two_rounds_unless_it_is_told_otherwise():
     assert [v50.usual_batch(shots) for shots in (4, 7, 8, 10, 12, 20, 60)] == [
         4,
