@@ -73,3 +73,19 @@ def test_another_weave_is_refused(weave, tmp_path):
 def test_a_misspelt_row_is_still_refused(tmp_path):
     with pytest.raises(InputError, match='did you mean "thickness"'):
         fabric_file.read_values(sheet(tmp_path, PLAIN | {"thicknes": ("0.3 mm", "")}))
+
+
+@pytest.mark.parametrize(
+    "weave", ["PLAIN", "plain weave", "Plain (1/1)", "tabby", "1/1, plain", "linen weave", ""]
+)
+def test_a_plain_weave_has_many_names(weave, tmp_path):
+    found = fabric_file.read_values(sheet(tmp_path, {"Weave pattern": (weave, "")} | PLAIN))
+    assert found == fabric_file.read_values(sheet(tmp_path, PLAIN))
+
+
+@pytest.mark.parametrize(
+    "weave", ["plain derivative, basket 2x2", "not plain", "plain/twill", "3/1 plain", "semi-plain"]
+)
+def test_a_weave_that_is_plain_in_part_is_refused(weave, tmp_path):
+    with pytest.raises(InputError, match="plain: all models are of it"):
+        fabric_file.read_values(sheet(tmp_path, {"Weave": (weave, "")} | PLAIN))
