@@ -71,7 +71,7 @@ class Pattern:
         ------
         InputError : no pattern, or one in which a yarn never changes sides
         """
-        words = " ".join(text.lower().replace("_", " ").split())
+        words = " ".join(re.split(r"[\s_,;()]+", text.lower())).strip()
         if found := _FIRST_NUMBERS.fullmatch(words):
             words = f"{found[3]} {found[1]}/{found[2]}"
         if found := _HARNESS.fullmatch(words):

@@ -8,10 +8,10 @@ source and status:
     tenacity, 2350 mN/tex, 2350 mN/tex, data sheet of the yarn
     thickness, 0.30 mm, , data sheet of the fabric
 
-Rows may have the names and units of a maker (`weavecell.scenes.sheet_names`). A value of the fabric
-as a whole stands in the column warp. Crimp may be left out if the thickness
-is given, and the failure strain where strength or tenacity is (`fabrics.data_sheet`). Curves of
-tests (`weavecell.scenes.curves`) replace modulus, failure strain or the trellis law by fits.
+Rows may have the names that makers use (`weavecell.scenes.sheet_names`). A value of the fabric as a
+whole stands in the column warp. Crimp may be left out if the thickness is given, and the failure
+strain where strength or tenacity is (`fabrics.data_sheet`). Curves of tests
+(`weavecell.scenes.curves`) replace modulus, failure strain or the trellis law by fits.
 """
 
 from __future__ import annotations

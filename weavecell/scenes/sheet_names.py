@@ -1,9 +1,8 @@
 """What makers of fabrics call the rows of a data sheet.
 
-A row of a table of values is read in any case, with the unit behind its name or in brackets, as
-headings are (`fabrics.base.tables`), and under the names that makers use: "Weight [g/m2]" is
-areal_density. Rows that describe a fabric without a number that is computed with are left out, and
-the log says so.
+A row of a table of values is read in any case, with the unit in brackets behind its name, and under
+the names that makers use: "Weight [g/m2]" is areal_density. Rows that describe a fabric, such as
+its style, are left out, and the log says so.
 """
 
 from __future__ import annotations
@@ -101,6 +100,7 @@ DESCRIPTIONS = (
     "roll length",
 )
 WEAVE = "weave", "weave pattern", "pattern", "weave style", "binding"
+# a name, and the unit in brackets behind it
 _BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")
 
 
@@ -110,19 +110,20 @@ def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[
     Parameters
     ----------
     rows : with the cells key, warp and, if wanted, others
-    keys : that are known; a row of none stays as it is
+    keys : that a row may have as its name; a row of none stays as it is
     """
     known = {_fold(key): key for key in keys}
     for key, names in NAMES.items():
-        known |= {name: key for name in names if key in known.values()}
+        known |= dict.fromkeys(names, key)
     for line, cells in rows:
         written = cells["key"]
         name, unit = _split(written)
+        if name in WEAVE:
+            if cells["warp"].strip():  # a cell that says nothing states no weave
+                yield line, cells | {"key": "weave"}
+            continue
         if name in DESCRIPTIONS:
             LOG.info(f"{path}: left out, {line}: {written} {cells['warp']}".rstrip())
-            continue
-        if name in WEAVE:
-            yield line, cells | {"key": "weave"}
             continue
         key = known.get(name, written)
         if name in known and name != _fold(key):
@@ -132,7 +133,8 @@ def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[
 
 def _fold(text):
     """A name in small letters, its words apart."""
-    return " ".join(re.sub(r"[_/\s-]+|:$", " ", text.lower()).split())
+    plain = text.lower().replace("’", "'")
+    return " ".join(re.sub(r"[_/\s-]+|:$", " ", plain).split())
 
 
 def _split(written):

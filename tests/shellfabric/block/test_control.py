@@ -119,7 +119,8 @@ def test_a_corner_below_the_least_share_goes_on_along_the_tangent_and_the_curvat
     x[4, 2] = x[0, 2] + 0.01 * BOX[2]
     brick = Bricks.of(rest[None])
     swelling = np.linalg.det(x.T @ brick.gradient[0])
-    least, step = control_kernels.LEAST_SHARE, 1e-4
+    least = control_kernels.LEAST_SHARE
+    step = 1e-4
 
     def energy(share):
         return 0.5 * np.log(share) ** 2

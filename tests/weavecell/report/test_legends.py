@@ -84,13 +84,13 @@ class Made(Given):
         return getattr(self, name)
 
 
-# what a figure calls a time, and what stands in no words of it
+# what figures call a time; "" is no word
 SAID = {"t": "time", "_size": ""}
 
 
 def case(function):
-    """A figure function with made-up data: the case returns the figure, its data, {name: words for it} and names
-    of what is not drawn; or None if it has looked itself."""
+    """Register the case of a figure function. It returns the figure, its made-up data, {name: words for it} and
+    names of what is not drawn; or None if it has looked itself."""
 
     def registered(draw):
         DRAWN[function] = draw

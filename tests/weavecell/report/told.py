@@ -1,8 +1,9 @@
-"""What a figure tells of its data, by property: numbers that stand on an axis are those of one field of
-the data, in the unit of the axis, and the words beside them are the names of that field."""
+"""Whether a figure shows its data, by property: what stands on an axis are the numbers of one field of the
+data, in the unit of the axis, and the words beside them are the names of that field."""
 
 import re
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from itertools import product
 from types import SimpleNamespace
 
@@ -53,9 +54,9 @@ class Field:
         if callable(self.values):
             return False
         drawn = drawn[~np.isnan(drawn)]
-        held = np.asarray(self.values, float).ravel()
+        held = np.ravel(self.values)
         near = np.isclose(drawn[:, None], held[None, :], rtol=1e-9, atol=1e-15)
-        return bool(near.any(axis=1).all()) if held.size else not drawn.size
+        return bool(near.any(axis=1).all())
 
     def runs_through(self, points):
         """Whether points {axis: (n,)} in SI units are on the curve of this field."""
@@ -65,46 +66,55 @@ class Field:
 
 
 def words_of(text):
-    """The words of a text or of a name, subscripts of mathematics as letters of their own."""
-    return set(re.findall(r"[a-z]+|\d+|γ", re.sub(r"(?<=\w)\$_", " ", text).lower()))
+    """Return the words of a text or of a name; a subscript of mathematics is a word of its own."""
+    apart = re.sub(r"(?<=\w)\$_", " ", text)
+    return set(re.findall(r"[a-z]+|\d+|γ", apart.lower()))
 
 
 def fields_of(data, said=None, words=frozenset()):
-    """List the fields of nested data: what a name or a key leads to bears its words.
+    """List the fields of nested data: what a name or a key leads to has its words.
 
     Parameters
     ----------
     said : {name: the words that a figure has for it, "" for none}
+    words : of the names that lead to the data
     """
     said = said or {}
+    named = _by_name(data)
+    found = []
+    if named is not None:
+        for name, value in named.items():
+            own = words_of(said.get(name, str(name).replace("_", " ")))
+            found += fields_of(value, said, words | own)
+    elif isinstance(data, (list, tuple)) and not all(np.isscalar(each) for each in data):
+        for each in data:
+            found += fields_of(each, said, words)
+    elif callable(data):
+        found.append(Field(words, data))
+    elif not isinstance(data, (str, bool)):
+        values = np.asarray(data)
+        if values.dtype.kind in "iuf":
+            found.append(Field(words, values))
+    return found
+
+
+def _by_name(data):
+    """{name: what it has} of data with names, or None."""
     if isinstance(data, pd.DataFrame):
-        data = {re.sub(r"_m_s$", "", name): column.to_numpy() for name, column in data.items()}
+        return {re.sub(r"_m_s$", "", name): column.to_numpy() for name, column in data.items()}
     if isinstance(data, SimpleNamespace):
-        data = vars(data)
-    elif hasattr(data, "_asdict"):
-        data = data._asdict()
-    elif hasattr(data, "__dataclass_fields__"):
-        data = {name: getattr(data, name) for name in data.__dataclass_fields__}
+        return vars(data)
+    if hasattr(data, "_asdict"):
+        return data._asdict()
+    if is_dataclass(data):
+        return {name: getattr(data, name) for name in data.__dataclass_fields__}
     if isinstance(data, Mapping):
-        return [
-            field
-            for name, value in data.items()
-            for field in fields_of(
-                value, said, words | words_of(said.get(name, str(name).replace("_", " ")))
-            )
-        ]
-    if isinstance(data, (str, bool, type(None))):
-        return []
-    if isinstance(data, (list, tuple)) and not all(np.isscalar(each) for each in data):
-        return [field for each in data for field in fields_of(each, said, words)]
-    if callable(data):
-        return [Field(words, data)]
-    values = np.asarray(data)
-    return [Field(words, values)] if values.dtype.kind in "iuf" else []
+        return data
+    return None
 
 
 def axis_label(axes, name):
-    """The label of an axis, or of that which shares it."""
+    """Return the label of an axis, or of the one that shares it."""
     shared = {"x": axes.get_shared_x_axes(), "y": axes.get_shared_y_axes()}[name]
     for each in (axes, *shared.get_siblings(axes)):
         if label := getattr(each, f"get_{name}label")():
@@ -113,10 +123,11 @@ def axis_label(axes, name):
 
 
 def unit_of(label):
-    """The unit in brackets of a label."""
+    """Return the unit in brackets of a label, "" if it has none; of "% of the largest" the unit alone."""
     found = re.search(r"\[([^\]]*)\]", label)
-    unit = found[1] if found else ""
-    return unit if unit in UNITS else unit.split(" of ")[0]
+    if found is None:
+        return ""
+    return found[1].split(" of ")[0]
 
 
 def refuse_untold(figure, fields, not_drawn=()):
@@ -167,7 +178,10 @@ def _names(axes, artist):
     """The names of what is drawn: its own, or those of the lines of its colour."""
     if artist.get_label() and not artist.get_label().startswith("_"):
         return [artist.get_label()]
-    colour = artist.get_color() if isinstance(artist, Line2D) else artist.get_facecolor()[:3]
+    if isinstance(artist, Line2D):
+        colour = artist.get_color()
+    else:
+        colour = artist.get_facecolor()[:3]
     names = [line.get_label() for line in axes.lines if same_color(line.get_color(), colour)]
     return [name for name in names if not name.startswith("_")] or [""]
 

@@ -81,3 +81,47 @@ def test_a_weave_of_no_pattern_is_refused(tmp_path):
 def test_a_misspelt_row_is_still_refused(tmp_path):
     with pytest.raises(InputError, match='did you mean "thickness"'):
         fabric_file.read_values(sheet(tmp_path, PLAIN | {"thicknes": ("0.3 mm", "")}))
+
+
+@pytest.mark.parametrize(
+    "weave", ["PLAIN", "plain weave", "Plain (1/1)", "tabby", "1/1, plain", "linen weave", ""]
+)
+def test_a_plain_weave_has_many_names(weave, tmp_path):
+    values, _ = fabric_file.read_values(sheet(tmp_path, {"Weave pattern": (weave, "")} | PLAIN))
+    stated = values.pop("weave", None)
+    assert values == fabric_file.read_values(sheet(tmp_path, PLAIN))[0]
+    assert (stated is None) == (weave == "")
+    assert stated is None or stated.warp == "plain"
+
+
+@pytest.mark.parametrize(
+    "weave", ["plain derivative, basket 2x2", "not plain", "plain/twill", "3/1 plain", "semi-plain"]
+)
+def test_a_weave_that_is_plain_in_part_is_refused(weave, tmp_path):
+    with pytest.raises(InputError, match="line 2, weave"):
+        fabric_file.read_values(sheet(tmp_path, {"Weave": (weave, "")} | PLAIN))
+
+
+def test_a_sheet_as_its_maker_prints_it(tmp_path, caplog):
+    """Numbers alone in both columns, unlike for warp and weft, each with the unit of its row."""
+    caplog.set_level("INFO", "weavecell")
+    printed = {
+        "Titre (dtex)": ("1100", "1090"),
+        "Fiber density (g/cm3)": ("1.44", ""),
+        "Young’s modulus [GPa]": ("99", "97"),
+        "Elongation at break [%]": ("3.3", "3.2"),
+        "Ends/Picks [1/cm]": ("8.5", "8.2"),
+        "Fabric thickness [mm]": ("0.28", ""),
+        "Weight [g/m2]": ("190", ""),
+    }
+    found, _ = fabric_file.read_values(sheet(tmp_path, printed))
+    assert {key: (value.warp, value.weft) for key, value in found.items()} == {
+        "linear_density": ("1100 dtex", "1090 dtex"),
+        "fibre_density": ("1.44 g/cm3", "1.44 g/cm3"),
+        "modulus": ("99 GPa", "97 GPa"),
+        "failure_strain": ("3.3 %", "3.2 %"),
+        "count": ("8.5 1/cm", "8.2 1/cm"),
+        "thickness": ("0.28 mm", ""),
+        "areal_density": ("190 g/m2", ""),
+    }
+    assert "line 6: Ends/Picks [1/cm] is taken for count" in caplog.text
