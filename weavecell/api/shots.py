@@ -216,11 +216,11 @@ def impact(
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
         a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
         its standard error
+    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
+        what is assumed
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run
         of another version of the code is refused
-    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
-        what is assumed
     **options : beside a fabric, keywords of `setup`
 
     Returns
