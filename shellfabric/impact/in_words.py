@@ -48,15 +48,9 @@ def list_assumptions(
     return [(name, " ".join(sentences)) for name, sentences in rows]
 
 
-def say_assumptions(setup: ImpactSetup, *, body: str = "") -> tuple[str, ...]:
-    """Write `list_assumptions` as lines, what they are of first."""
-    rows = list_assumptions(setup, body=body)
-    return tuple(f"{name}: {sentences}" for name, sentences in rows)
-
-
-def say_choices(setup: ImpactSetup) -> str:
-    """Write what the cells are made from, and the settings that are not those of a set-up with nothing
-    chosen but fabric and velocity, in SI units."""
+def list_choices(setup: ImpactSetup) -> dict[str, str]:
+    """List {name: value in SI units} of what the cells are made from, and of the settings that are not
+    those of a set-up with nothing chosen but fabric and velocity."""
     plain = ImpactSetup(
         setup.fabric,
         setup.strike_velocity,
@@ -66,11 +60,11 @@ def say_choices(setup: ImpactSetup) -> str:
     usual = list_settings(plain)
     for name in _list_materials(plain):
         del usual[name]
-    chosen = []
+    chosen = {}
     for name, value in list_settings(setup).items():
         if name not in usual or usual[name] != value:
-            chosen.append(f"{name} {say(value)}")
-    return "; ".join(chosen)
+            chosen[name] = say(value)
+    return chosen
 
 
 def say(value: Any) -> str:

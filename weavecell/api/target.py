@@ -66,6 +66,13 @@ class Target:
         return self.setup.title
 
     @property
+    def scene(self) -> scenes.Scene | None:
+        """Its input file, as it was read; None of a set-up."""
+        if self.case is None:
+            return None
+        return self.case.scene
+
+    @property
     def shot_title(self) -> str:
         """The title of the input file, or fabric, plies and strike velocity."""
         own = None
