@@ -11,7 +11,8 @@ Left out: what stands between marks (tools/pages.py, tools/page_values.py), code
     count          a small whole number in prose
 
 tests/test_pages.py compares the counts of results with docs/numbers.csv, which --write makes of the pages as they are:
-a page may only get fewer.
+a page may only get fewer. It also holds the words of README and docs, pages that are made with the site alone left out,
+below `MOST_WORDS`. Comments are not counted, since readers do not see them.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ NAMES = re.compile(
             r"\b(?:S-\d+|Kevlar(?:®)? \d+(?: [A-Z]\d+)?|IM7|T300|K\d+|42 ?CrMo ?4)\b",
             r"\b(?:LAW ?\d+|FORM ?\d+|MAT_?\d+|E-\d+|V50|V0|[123]D|R[²2]|npz|UTF-8|x86-64)\b",
             r"\b(?:Python|numba|OpenRadioss|Debian) \d[\d.]*",
-            r"\b(?:ASME V&V|ISO|ASTM|MIL|NIJ|STANAG)[ -][\w.]+|\b0/45/0/45\b|\b0/90\b",
+            r"\b(?:ASME V&V|ISO|ASTM|MIL|NIJ|STANAG)[ -][\w.-]+|\b0/45/0/45\b|\b0/90\b",
             r"\b10\.\d{4,}/[\w.()/-]+",
             r"\b(?:[Ff]ig(?:ure|s?\.|ures)?|[Ss]ections?|[Tt]ables?|[Cc]hapters?|[Ee]q(?:uations?|s?\.)"
             r"|[Aa]pp(?:endix|\.)|pages?|p\.|pp\.|Vol\.|No\.|rows?|cases?|step|zone|type|errat(?:um|a)"
@@ -154,6 +155,7 @@ def sentence(text, match):
 
 INPUTS = inputs()
 ALLOWED = ROOT / "docs" / "numbers.csv"
+MOST_WORDS = 60_000
 
 
 def counted():
@@ -165,6 +167,17 @@ def counted():
         if results:
             found[str(page.relative_to(ROOT))] = results
     return found
+
+
+def words():
+    """Count the words of each page of README and docs that git keeps, made from code or not."""
+    pages = [*page_values.written(), *(ROOT / "docs" / "generated").glob("*.md")]
+    seen = {page: re.sub(r"<!--.*?-->", "", page.read_text("utf-8"), flags=re.S) for page in pages}
+    return {
+        str(page.relative_to(ROOT)): len(text.split())
+        for page, text in seen.items()
+        if "validation" not in page.relative_to(ROOT).parts
+    }
 
 
 def allowed():
@@ -187,8 +200,10 @@ def main():
     if options.write:
         lines = [f"{name},{number}\n" for name, number in counts.items()]
         ALLOWED.write_text("page,results by hand\n" + "".join(lines), "utf-8")
-    for name, number in counts.items():
-        print(f"{number:5} {name}")
+    sizes = words()
+    for name in {**sizes, **counts}:
+        print(f"{counts.get(name, 0):5} results {sizes.get(name, 0):7} words  {name}")
+    print(f"{sum(counts.values()):5} results {sum(sizes.values()):7} words")
 
 
 if __name__ == "__main__":
