@@ -433,6 +433,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
             self.cell_model,
             self.cell_formulation,
             reach=reach,
+            mean_crossing=self.crossovers is not None,
         )
 
     def table(self, kept: bool = False) -> CellTable:

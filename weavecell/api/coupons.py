@@ -343,9 +343,12 @@ def _table(case):
     """The table of the cell."""
     from shellfabric.cell.model import CellModel
 
-    return CellModel(case.fabric, case.laws, *build.cell_of(case.scene.fabric)).table(
-        coupon_results.TABLE_SIZE
+    # what a yarn that is drawn out rubs on are all its crossings, in the mean
+    drawn_out = case.scene.test == "pull_out"
+    model = CellModel(
+        case.fabric, case.laws, *build.cell_of(case.scene.fabric), mean_crossing=drawn_out
     )
+    return model.table(coupon_results.TABLE_SIZE)
 
 
 @explain_frozen
