@@ -549,8 +549,11 @@ class ComparisonResult(DrawnResult):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What is doubtful of A and of B."""
+        """What is doubtful of A and of B, and of their order."""
+        from weavecell.studies import choice
+
         parts = [f"{x}: {doubt}" for x, one in zip("AB", (self.a, self.b)) for doubt in one.doubts]
+        parts += choice.doubt_order([panel.setup for panel in self.targets])
         return tuple(parts)
 
     @property

@@ -425,9 +425,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].number
-        if "symmetry" not in panel.model_fields_set:
-            given["symmetry"] = _modelled_part(panel, given["projectile"])
         fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
+        if "symmetry" not in panel.model_fields_set:
+            given["symmetry"] = _modelled_part(panel, given["projectile"], fabrics)
         zone = _build_yarn_zone(panel, fabrics)
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
@@ -445,14 +445,25 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     return made
 
 
-def _modelled_part(panel, projectile):
+def _modelled_part(panel, projectile, fabrics):
     """The smallest part of a panel that stands for the whole, where none is asked for: a plane of
-    symmetry is one of the shot, of the place that it hits, and of the weave."""
+    symmetry is one of the shot, of the place that it hits, and of the weave; of resolved yarns also of
+    the patterns of all fabrics."""
     from shellfabric.membrane.grid import SYMMETRIES
 
     wanted = SYMMETRIES[panel.symmetry]
+    mirrored = [True, True]
+    if panel.crossovers == "yarns":
+        # the plane across the warp is the middle line of a weft yarn
+        for axis, family in ((0, 1), (1, 0)):
+            lines = [fabric.weave.pattern.find_mirror(family) for fabric in fabrics]
+            mirrored[axis] = None not in lines
     planes = tuple(
-        plane and projectile.mirrored(axis) and offset == 0 and panel.weave_angle == 0
+        plane
+        and mirrored[axis]
+        and projectile.mirrored(axis)
+        and offset == 0
+        and panel.weave_angle == 0
         for axis, (plane, offset) in enumerate(zip(wanted, panel.impact_point or (0.0, 0.0)))
     )
     return next(name for name, has in SYMMETRIES.items() if has == planes)
