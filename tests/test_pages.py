@@ -116,7 +116,7 @@ def made_up(tool, monkeypatch, tmp_path):
         ("error noses[strike [m/s]=85..90] limit [m/s] : .1f", "45.0"),
         ("count noses[nose=o*] : d", "1"),
         ("noses[nose=flat; fabric=S-728] fabric : s", "S-728"),
-        ("code fabrics data_sheet.toml over the value, ply_gap, high : .1f", "2.3"),
+        ("code fabrics/data_sheet.toml over the value, ply_gap, high : .1f", "2.3"),
     ],
 )
 def test_a_mark_takes_ratios_parts_ranges_and_means(made_up, asked, text):

@@ -9,6 +9,7 @@ Left out: what stands between marks (tools/pages.py, tools/page_values.py), code
     test           its sentence names a test, a measurement or another source
     input          stands with the same unit in an input of the project: studies, fabrics, examples
     count          a small whole number in prose
+    label          in the heading or the first cell of a table's row
 
 tests/test_pages.py compares the counts of results with docs/numbers.csv, which --write makes of the pages as they are:
 a page may only get fewer. It also holds the words of README and docs, pages that are made with the site alone left out,
@@ -31,7 +32,7 @@ import page_values  # noqa: E402
 
 NUMBER = r"(?<![\w.,/#-])[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?(?![\w]*[A-Za-z]\d|[\d])"
 TOKEN = re.compile(
-    rf"(?P<n>{NUMBER})(?P<u>\s?(?:%|°|µs|us|ns|ms|s|mm|m/s|m²|kg/m³|g/m²|µm|um|m|N|J|GPa|MPa|Pa|kg|g|times|plies|dtex|den)(?![\w/²]))?"
+    rf"(?P<n>{NUMBER})(?P<u>\s?(?:%|°|degrees|µs|us|ns|ms|s|mm|m/s|m²|kg/m³|g/m²|µm|um|m|N|J|GPa|MPa|Pa|kg|g|times|plies|dtex|den)(?![\w/²]))?"
 )
 GONE = [
     re.compile(p, re.S | re.M)
@@ -60,7 +61,9 @@ NAMES = re.compile(
             r"|[Aa]pp(?:endix|\.)|pages?|p\.|pp\.|Vol\.|No\.|rows?|cases?|step|zone|type|errat(?:um|a)"
             r"|commit|version|seed) (?:[A-Z]?-?\d[\w.-]*(?:(?:, | and | to )[A-Z]?-?\d[\w.-]*)*)",
             r"\b(?:19|20)\d\d(?:-\d\d(?:-\d\d)?)?\b",
-            r"\b\d+, \d+-\d+\b|\bRes\. J\. \d+,\s*\d+|^\s*\d+\. |\b[A-Z][a-z]+-\d+\b",
+            r"\b1/[a-zA-Z]+\b|\b\d+(?: x \d+)+(?![.\d])(?: m?m\b)?"  # panels and meshes are set up
+            r"|\bfriction (?:of |between |on the nose |yarns |plies )*\d[\d.]*(?: (?:to|and) \d[\d.]*)?"
+            r"|\b\d+ \(\d{4}\) \d+|\b\d+, \d+-\d+\b|\bRes\. J\. \d+,\s*\d+|^\s*\d+\. |\b[A-Z][a-z]+-\d+\b",
         )
     ),
     re.MULTILINE,
@@ -117,9 +120,11 @@ def of_page(path):
         line = clean[clean.rfind("\n", 0, match.start()) + 1 : clean.find("\n", match.end())]
         in_table = line.lstrip().startswith("|")
         unit = (match["u"] or "").strip()
-        known = {"us": "µs", "um": "µm"}.get(unit, unit)
+        known = {"us": "µs", "um": "µm", "degrees": "°"}.get(unit, unit)
         counted = unit in ("plies", "times") or not (unit or in_table)
-        if counted and value <= 20 and value.is_integer():
+        if in_table and is_label(clean, match):
+            kind = "label"
+        elif counted and value <= 20 and value.is_integer():
             kind = "count"
         elif unit and (value, known) in INPUTS:
             kind = "input"
@@ -132,6 +137,14 @@ def of_page(path):
         row = text.count("\n", 0, match.start()) + 1
         found.append((kind, row, word, unit, " ".join(line.split())[:110]))
     return found
+
+
+def is_label(text, match):
+    """Say whether a number of a table stands in its heading or in the first cell of its row."""
+    begin = text.rfind("\n", 0, match.start()) + 1
+    end = text.find("\n", match.end())
+    heading = re.match(r"\|[ :|-]+$", text[end + 1 :].partition("\n")[0])
+    return heading is not None or text.count("|", begin, match.start()) == 1
 
 
 def sentence(text, match):

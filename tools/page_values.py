@@ -46,7 +46,10 @@ from shellfabric.membrane.quality import CHECKS  # noqa: E402
 from shellfabric.yarns.holding import BISECTIONS, find_factors  # noqa: E402
 from validation.study import DATA, read  # noqa: E402
 
-DATA_SHEET = tomllib.loads((ROOT / "fabrics" / "data_sheet.toml").read_text("utf-8"))
+ASSUMED = {
+    place: tomllib.loads((ROOT / place).read_text("utf-8"))
+    for place in ("fabrics/data_sheet.toml", "shellfabric/yarns/assumed.toml")
+}
 BULLETS = (271.9, 309.1, 475.0)  # [m/s] at 15 plies of Kevlar 29
 
 
@@ -75,18 +78,15 @@ CODE = {
     "shellfabric.membrane.numerics Numerics": {
         field.name: field.default for field in fields(Numerics)
     },
-    "fabrics data_sheet.toml": {
-        f"{name}, {key}": number
-        for name, numbers in DATA_SHEET.items()
-        for key, number in numbers.items()
-    },
-    "fabrics data_sheet.toml over the value": {
-        f"{name}, {key}": numbers[key] / numbers["value"]
-        for name, numbers in DATA_SHEET.items()
-        for key in ("low", "high")
-        if isinstance(numbers.get(key), float)
-    },
 }
+for place, table_of_numbers in ASSUMED.items():
+    CODE[place], CODE[f"{place} over the value"] = {}, {}
+    for name, numbers in table_of_numbers.items():
+        CODE[place] |= {f"{name}, {key}": number for key, number in numbers.items()}
+        if isinstance(numbers.get("low"), float):
+            CODE[f"{place} over the value"] |= {
+                f"{name}, {end}": numbers[end] / numbers["value"] for end in ("low", "high")
+            }
 VALUE = re.compile(r"(<!-- = (.*?) -->)(.*?)(<!-- / -->)")
 ROWS = re.compile(
     r"(<!-- rows (?P<file>[\w/-]+)(?:\[(?P<where>.*?)\])?(?: by (?P<by>[^|\n]+?))?(?P<template> \|[^\n]*) -->\n"
