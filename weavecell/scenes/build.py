@@ -384,8 +384,12 @@ def cell_of(table: FabricTable) -> tuple[Any, ...]:
     return table.crossover_gap, table.cell_model, table.cell_formulation
 
 
-def setup(case: Case, file: FilePath | None) -> ImpactSetup:
+def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
     """Build the impact's set-up for `shellfabric`. With a file, its notes are logged.
+
+    Parameters
+    ----------
+    **others : fields of the set-up in place of what the scene says
 
     Raises
     ------
@@ -436,7 +440,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             mirrors = SYMMETRIES[given["symmetry"]]
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed, mirrors)
         _check_positions(scene.history, panel.opening)
-        made = ShortSetup(**given)
+        made = ShortSetup(**given | others)
         made.check_contact_points()
     except InputError as problem:
         raise name_file(problem, file) from None
