@@ -186,12 +186,12 @@ def changes(setup: ImpactSetup) -> Ends:
     if any(change(setup) != setup for change in stiffness.values()):
         ends_of["solid law"] = stiffness
     for name, entry in inputs.ranges(*setup.fabrics).items():
-        if _is_given(setup, name):
+        if is_given(setup, name):
             continue
         own = {}
         for end in (entry.low, entry.high):
-            if _set_value(setup, name, end) != setup:
-                own[f"{name} {end:g}"] = partial(_set_value, name=name, value=end)
+            if set_value(setup, name, end) != setup:
+                own[f"{name} {end:g}"] = partial(set_value, name=name, value=end)
         if own:
             ends_of[name] = own
     return ends_of
@@ -239,8 +239,9 @@ def _with_laws(ply, end):
     return replace(ply, laws=tuple((law.ends() or {end: law})[end] for law in laws) or None)
 
 
-def _set_value(setup, name, value):
-    """The set-up with a value of one of `inputs.ranges`; as it is where it does not assume it."""
+def set_value(setup: ImpactSetup, name: str, value: float) -> ImpactSetup:
+    """Return the set-up with a value of one of `inputs.ranges`; as it is where it does not assume
+    it."""
     match name:
         case data_sheet.STRENGTH_AFTER_WEAVING if setup.yarn_failure and not setup.surface:
             return _change_each_ply(_with_woven_strength, value, setup)
@@ -254,15 +255,17 @@ def _set_value(setup, name, value):
             return replace(setup, crossovers=replace(setup.crossovers, friction=value))
         case _ if name in inputs.OF_RESOLVED_YARNS and setup.crossovers is not None:
             field, _ = inputs.OF_RESOLVED_YARNS[name]
-            return replace(setup, crossovers=replace(setup.crossovers, **{field: value}))
+            changed: dict[str, Any] = {field: value}
+            return replace(setup, crossovers=replace(setup.crossovers, **changed))
         case "clamp force":
             return replace(setup, boundary=_scale_clamp_force(setup.boundary, value))
     return setup
 
 
-def _is_given(setup, name):
-    """Whether the set-up has a number of the user's own in place of what is assumed by this name: a
-    measured friction is not varied."""
+def is_given(setup: ImpactSetup, name: str) -> bool:
+    """Tell whether the set-up has a number of the user's own in place of what is assumed by this
+    name: a measured friction is not varied."""
+    number: float | None
     match name:
         case data_sheet.FRICTION_OF_PROJECTILE:
             number = setup.projectile.friction
