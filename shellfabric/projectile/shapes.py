@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from math import cos, inf, pi, sin, tan
 from typing import Annotated, Any
 
@@ -66,12 +65,11 @@ class NoseNumbers:
     ] = None
 
 
-@cache
-def shapes_with(number: str) -> tuple[str, ...]:
+def shapes_with(number: str) -> list[str]:
     """List the shapes that have a number of `NoseNumbers`."""
     read = mark(declared(NoseNumbers)[number], ReadBy)
     assert read is not None  # each has
-    return tuple(read.models.split())
+    return read.models.split()
 
 
 @dataclass(frozen=True)

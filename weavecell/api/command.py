@@ -159,6 +159,7 @@ class Plan(Generic[FoundToo]):
 
 def command(
     *kinds: type[Plan[Found]],
+    result: str = "",
 ) -> Callable[[Callable[Parameters, Plan[Found]]], Callable[Parameters, Found]]:
     """Make a function that returns a Plan the function that runs it.
 
@@ -167,6 +168,8 @@ def command(
     Parameters
     ----------
     *kinds : of the plans that it may return
+    result : what a call returns, where an option leads to a plan of another module, which is loaded
+        for it alone; "" of what the `kinds` compute
     """
 
     def decorate(plan: Callable[Parameters, Plan[Found]]) -> Callable[Parameters, Found]:
@@ -190,7 +193,7 @@ def command(
             return _run(made, how)
 
         # help, command line and reference page say what the run returns
-        returned = " | ".join(kind.run.__annotations__["return"] for kind in kinds)
+        returned = result or " | ".join(kind.run.__annotations__["return"] for kind in kinds)
         called.__annotations__ = {**plan.__annotations__, "return": returned}
         called.__signature__ = signature.replace(return_annotation=returned)  # type: ignore[attr-defined]
         called.plan = entrance.public(plan)  # type: ignore[attr-defined]

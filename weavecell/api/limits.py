@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
@@ -130,10 +130,8 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
             searches += ranges.searches(self.over)
         panel = self.pinned
         width = self.tolerance or limits.usual_tolerance(panel.setup.target())
-        size = StudySize.estimate(
-            panel.setup, panel.title, fired, searches, tolerance=width, scene=panel.scene
-        )
-        return size.with_choice(self.target.setup, fired, scene=panel.scene)
+        size = StudySize.estimate(panel.setup, panel.title, fired, searches, tolerance=width)
+        return size.with_choice(self.target.setup, fired)
 
     def run(self, running: Running) -> CriticalVelocityResult:
         """Search the limit, with the yarns that the checks choose, and the range over what is
@@ -204,11 +202,12 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
         keep(running.ended, problem, self.target, running.folder)
 
 
-@command(LimitPlan)
+@command(LimitPlan, result="CriticalVelocityResult | IntervalResult")
 @explain_keywords(ResumableSearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
+    interval: bool = False,
     tolerance: float | str | None = None,
     v50_shots: int | None = None,
     residual_shots: int | None = None,
@@ -246,8 +245,11 @@ def critical_velocity(
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
+    interval : the answer over what nobody knows, with resolved yarns: the places by the nose that are
+        struck, and both ends of each friction that nobody gave, between yarns, on the nose and
+        between plies; or what decides. Two to seven searches, whose cost is told before
     tolerance : largest difference between highest stop and lowest perforation [m/s]; if not given 1
-        m/s of one ply, about 5 % of a pack
+        m/s of one ply (with `interval` about 2 %), about 5 % of a pack
     v50_shots : shots 3 to 15 % above the bracket, of whose residual velocities V50 is made; if not
         given 8 of a pack that is not scanned, 0 of one ply
     residual_shots : shots from 3 % above the limit to twice the limit, for the Lambert-Jonas fit; if
@@ -265,7 +267,7 @@ def critical_velocity(
 
     Returns
     -------
-    CriticalVelocityResult
+    CriticalVelocityResult; with `interval` an IntervalResult, a row for each search
 
     Raises
     ------
@@ -298,6 +300,19 @@ def critical_velocity(
     panel = resolve_target(target, options, "limit", function="critical_velocity")
     with panel.name_problems():
         strengths.require_failure(panel.setup, NO_LIMIT)
+    if interval:
+        from weavecell.api.intervals import plan_interval
+
+        beside = {
+            "v50_shots": v50_shots,
+            "residual_shots": residual_shots,
+            "scan": scan,
+            # a command asks for the range "laws" by itself
+            "assumed_range": True if assumed_range is True else None,
+            **given,
+        }
+        # its result is another, as that of a check is
+        return cast(Any, plan_interval(panel, "critical-velocity", width, beside))
     pack = panel.setup.plies > 1
     if v50_shots is None:
         v50_shots = pack_limit.SHOTS if pack and scan is not True else 0

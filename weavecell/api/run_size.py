@@ -25,7 +25,6 @@ from fabrics.base.counted import counted, plural
 from fabrics.base.door import in_terminal, option
 from fabrics.base.frozen import explain_frozen
 from weavecell.api.result import Result
-from weavecell.api.wording import NOTHING, Wording
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -73,22 +72,6 @@ class _Size(Result):
     """A forecast, whose table has one row."""
 
     cpu_time: tuple[float, float]
-    said: Wording
-
-    @property
-    def shot(self) -> str:
-        """What is shot at, and by what; the report begins with it."""
-        return self.said.summary()["shot"]
-
-    @property
-    def assumptions(self) -> tuple[str, ...]:
-        """Lines on what the runs take for granted, as the report has them."""
-        return tuple(": ".join(row) for row in self.said.assumptions)
-
-    @property
-    def settings(self) -> str:
-        """Settings that are chosen, as the report has them, and of what the cells are made."""
-        return self.said.settings
 
     def _columns(self):
         return {name: [value] for name, value in self.summary().items()}
@@ -121,7 +104,9 @@ class RunSize(_Size):
     of_fabrics : lines that name what is assumed of the fabrics
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
     model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
-    said : what is shot at, taken for granted and chosen, as the report has it
+    shot : what is shot at, and by what, in a sentence; the report begins with it
+    assumptions : lines on what the run takes for granted, as the report has them
+    settings : those that are chosen, as the report has them, and of what the cells are made
 
     Examples
     --------
@@ -141,7 +126,9 @@ class RunSize(_Size):
     of_fabrics: tuple[str, ...] = ()
     foreseen: tuple[str, ...] = ()
     model: str = ""
-    said: Wording = NOTHING
+    shot: str = ""
+    assumptions: tuple[str, ...] = ()
+    settings: str = ""
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -156,9 +143,6 @@ class RunSize(_Size):
         notes: tuple[str, ...] = (),
         written: bool = True,
         scene: Scene | None = None,
-        *,
-        velocity: bool = True,
-        drawn: bool = False,
     ) -> RunSize:
         """Estimate the size of a run of a set-up, which is checked as its run does.
 
@@ -166,25 +150,25 @@ class RunSize(_Size):
         ----------
         notes : lines on resolved yarns
         written : whether pictures and files are made of the results
-        scene, velocity, drawn : of `Wording.of_setup`
+        scene : of the input file, if there is one, which has the names of what is shot
 
         Raises
         ------
         InputError : values that do not go together
         """
         from shellfabric.block.coupling import bricks_of
+        from shellfabric.impact import in_words
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
         from shellfabric.yarns.model import crossings_of
+        from weavecell.report import chapters
         from weavecell.studies import choice, model_choice
 
         if setup.instead is not None:
             chosen = choice.choose(setup, setup.strike_velocity, ())
             if chosen.resolved:  # the friction of the yarns decides before the run
                 resolved = choice.with_resolved(setup)
-                notes = *notes, str(chosen)
-                words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
-                return cls.estimate(resolved, title, notes, written, **words)
+                return cls.estimate(resolved, title, (*notes, str(chosen)), written, scene)
             again = cls.estimate(choice.with_resolved(setup), title, (), written)
             setup = choice.with_pinned(setup)
             notes = (*notes, f"if the checks ask for resolved yarns, another {again.cost}")
@@ -212,7 +196,9 @@ class RunSize(_Size):
             tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)),
             _foresee(setup, pack),
             model_choice.advise(setup, pack),
-            Wording.of_setup(setup, scene, velocity=velocity, drawn=drawn),
+            chapters.describe_shot(setup, scene, velocity=True),
+            in_words.say_assumptions(setup),
+            in_words.say_choices(setup),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -225,7 +211,9 @@ class RunSize(_Size):
             "memory_bytes": self.memory,
             **self._summarise_cpu_time(),
             "assumed": "; ".join(self.assumed),
-            **self.said.summary(),
+            "shot": self.shot,
+            "assumptions": " ".join(self.assumptions),
+            "settings": self.settings,
         }
 
     def __str__(self) -> str:
@@ -244,7 +232,8 @@ class RunSize(_Size):
         # a command has printed the others as it read its file
         if not in_terminal():
             lines += self.of_fabrics
-        return "\n".join([*lines, *self.said.lines])
+        lines += [self.shot, *self.assumptions, f"chosen, in SI units: {self.settings}"]
+        return "\n".join(lines)
 
 
 def _foresee(setup, pack):
@@ -269,7 +258,8 @@ class StudySize(_Size):
     of_range : shots that the range over what is assumed adds, with those of its searches
     resolved : size of the same with resolved yarns, which is added if the checks ask for them; None
         if they cannot
-    foreseen, said : of RunSize, of its shots
+    foreseen : of RunSize, of its shots
+    more : size of the runs that follow if the first ones do not agree; None if none do
 
     Examples
     --------
@@ -285,7 +275,7 @@ class StudySize(_Size):
     of_range: int = 0
     resolved: StudySize | None = None
     foreseen: tuple[str, ...] = ()
-    said: Wording = NOTHING
+    more: StudySize | None = None
 
     @classmethod
     def estimate(
@@ -296,10 +286,6 @@ class StudySize(_Size):
         searches: int = 0,
         repeats: int = 0,
         tolerance: float = WIDTH,
-        *,
-        scene: Scene | None = None,
-        velocity: bool = False,
-        drawn: bool = False,
     ) -> StudySize:
         """Estimate the size of shots and searches at a set-up.
 
@@ -309,7 +295,6 @@ class StudySize(_Size):
         Parameters
         ----------
         tolerance : [m/s] of the searches
-        scene, velocity, drawn : of `Wording.of_setup`
 
         Raises
         ------
@@ -320,21 +305,15 @@ class StudySize(_Size):
         of_a_search = shots_of_a_search(setup, tolerance)
         shots += of_a_search * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
-        words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
-        of_a_run = RunSize.estimate(setup, title, **words)
+        of_a_run = RunSize.estimate(setup, title)
         of_a_shot = crossing / setup.end_time
         low, high = shots * of_a_shot * np.multiply(of_a_run.cpu_time, DURATION)
         of_range = of_a_search * max(searches - 1, 0) + repeats
-        told: dict[str, Any] = {"foreseen": of_a_run.foreseen, "said": of_a_run.said}
-        return cls(title, shots, searches, (low, high), of_range, **told)
+        return cls(title, shots, searches, (low, high), of_range, foreseen=of_a_run.foreseen)
 
-    def with_choice(self, setup: ImpactSetup, shots: int, **words: Any) -> StudySize:
+    def with_choice(self, setup: ImpactSetup, shots: int) -> StudySize:
         """Return the size with that of `shots` and one search with resolved yarns beside it, if the
         set-up leaves the choice to the checks.
-
-        Parameters
-        ----------
-        **words : scene and drawn, as of `estimate`
 
         Raises
         ------
@@ -344,32 +323,22 @@ class StudySize(_Size):
 
         if setup.instead is None:
             return self
-        resolved = self.estimate(choice.with_resolved(setup), self.title, shots, 1, **words)
-        said = Wording.merge(("pinned yarns", "resolved yarns"), (self.said, resolved.said))
-        return replace(self, resolved=resolved, said=said)
+        resolved = choice.with_resolved(setup)
+        return replace(self, resolved=self.estimate(resolved, self.title, shots, 1))
 
     @classmethod
-    def add_up(cls, title: str, names: Sequence[str], sizes: Sequence[StudySize]) -> StudySize:
-        """Add up several sizes, each of the set-up of a name."""
+    def add_up(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
+        """Add up several sizes."""
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
         shots = sum(size.shots for size in sizes)
         searches = sum(size.searches for size in sizes)
         of_range = sum(size.of_range for size in sizes)
         foreseen = dict.fromkeys(line for size in sizes for line in size.foreseen)
-        told: dict[str, Any] = {
-            "foreseen": tuple(foreseen),
-            "said": Wording.merge(names, [size.said for size in sizes]),
-        }
-        return cls(title, shots, searches, (low, high), of_range, **told)
+        return cls(title, shots, searches, (low, high), of_range, foreseen=tuple(foreseen))
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
-        return {
-            "shots": self.shots,
-            "searches": self.searches,
-            **self._summarise_cpu_time(),
-            **self.said.summary(),
-        }
+        return {"shots": self.shots, "searches": self.searches, **self._summarise_cpu_time()}
 
     def __str__(self) -> str:
         searches = ""
@@ -387,10 +356,13 @@ class StudySize(_Size):
             )
         if self.resolved is not None:
             lines.append(f"if the checks ask for resolved yarns, another {self.resolved.cost}")
+        if self.more is not None:
+            shots = counted(self.more.shots, "shot")
+            lines.append(f"if these do not agree, about {shots} more; {self.more.cost}")
         lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
-        return "\n".join([*lines, *self.said.lines])
+        return "\n".join(lines)
 
 
 @explain_frozen
@@ -403,7 +375,6 @@ class WorkSize(Result):
     title : of what is computed
     amounts : {what is counted, in the singular: number}
     assumed : lines that name what is assumed
-    said : what is tested, taken for granted and chosen, as the report has it
 
     Examples
     --------
@@ -415,20 +386,17 @@ class WorkSize(Result):
     title: str
     amounts: dict[str, int]
     assumed: tuple[str, ...] = ()
-    said: Wording = NOTHING
 
     def summary(self) -> dict[str, Any]:
-        """Return the amounts, and what is said."""
-        amounts = {plural(noun): number for noun, number in self.amounts.items()}
-        return amounts | self.said.summary()
+        """Return the amounts."""
+        return {plural(noun): number for noun, number in self.amounts.items()}
 
     def _columns(self):
         return {name: [number] for name, number in self.summary().items()}
 
     def __str__(self) -> str:
         amounts = ", ".join(counted(number, noun) for noun, number in self.amounts.items())
-        head = f"{self.title}: nothing is run"
-        return "\n".join([head, amounts, *self.assumed, *self.said.lines])
+        return "\n".join([f"{self.title}: nothing is run", amounts, *self.assumed])
 
 
 @explain_frozen
@@ -442,7 +410,6 @@ class SizeOfPatch(_Size):
     crossings : of each family
     bricks : hexahedra
     cpu_time : (lowest, highest) [s]
-    said : what is struck, taken for granted and chosen in each model
 
     Examples
     --------
@@ -455,10 +422,9 @@ class SizeOfPatch(_Size):
     crossings: int
     bricks: int
     cpu_time: tuple[float, float]
-    said: Wording = NOTHING
 
     @classmethod
-    def estimate(cls, patch: SmallPatch, title: str, said: Wording) -> SizeOfPatch:
+    def estimate(cls, patch: SmallPatch, title: str) -> SizeOfPatch:
         """Estimate what the solid yarns of a patch take."""
         weave = patch.fabric.weave
         along = min(weave.w) / patch.size[0]
@@ -467,7 +433,7 @@ class SizeOfPatch(_Size):
             patch.bricks * patch.duration / crossed * cost * steps
             for cost, steps in zip(OF_A_SOLID, SOLID_STEPS)
         )
-        return cls(title, patch.crossings, patch.bricks, (low, high), said)
+        return cls(title, patch.crossings, patch.bricks, (low, high))
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
@@ -475,13 +441,11 @@ class SizeOfPatch(_Size):
             "crossings": self.crossings,
             "bricks": self.bricks,
             **self._summarise_cpu_time(),
-            **self.said.summary(),
         }
 
     def __str__(self) -> str:
         count = self.crossings
-        lines = [
-            f"{self.title}: nothing is run",
-            f"{count} x {counted(count, 'crossover')} of {counted(self.bricks, 'hexahedron')}; {self.cost}",
-        ]
-        return "\n".join([*lines, *self.said.lines])
+        return (
+            f"{self.title}: nothing is run\n{count} x {counted(count, 'crossover')} of "
+            f"{counted(self.bricks, 'hexahedron')}; {self.cost}"
+        )

@@ -45,7 +45,6 @@ from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure, remember_folder, say_before_range
 from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
-from weavecell.api.wording import Wording
 from weavecell.report import installed
 from weavecell.results import finding, keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
@@ -139,17 +138,10 @@ class ShotPlan(Plan["ShotResult"]):
     def forecast(self) -> RunSize:
         """Forecast elements, steps, memory and CPU time of one shot, and name what is assumed."""
         panel = self.target
-        size = RunSize.estimate(
-            panel.setup, panel.shot_title, written=self.written, scene=panel.scene
-        )
-        choices = dict(size.said.choices)
-        if self.accuracy is not None:
-            quantity, uncertainty = self.accuracy
-            wanted = f"{quantity.replace('_', ' ')} to within {uncertainty:g}"
-            choices["mesh refined for"] = wanted
-        if self.uncertainty:
-            choices["meshes"] = "two, for the error of the first"
-        return replace(size, said=replace(size.said, choices=tuple(choices.items())))
+        scene = None
+        if panel.case is not None:
+            scene = panel.case.scene
+        return RunSize.estimate(panel.setup, panel.shot_title, written=self.written, scene=scene)
 
     def run(self, running: Running) -> ShotResult:
         """Fire, repeat the shot over what is assumed, and write all of it."""
@@ -192,12 +184,13 @@ class ShotPlan(Plan["ShotResult"]):
         raise run_folder.Interrupted(message) from None
 
 
-@command(ShotPlan)
+@command(ShotPlan, result="ShotResult | IntervalResult")
 @explain_keywords(Keywords)
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
     *,
+    interval: bool = False,
     assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
     check: bool = False,
@@ -218,24 +211,28 @@ def impact(
     ----------
     target : input file of a ply or pack; in Python also a fabric, or a set-up of `setup`
     velocity : of a fabric, [m/s] of the strike
+    interval : the answer over what nobody knows, with resolved yarns: the places by the nose that are
+        struck, and both ends of each friction that nobody gave, between yarns, on the nose and
+        between plies; or what decides. Two to seven shots, whose cost is told before
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
         set-up; without this option a command does so if a law or the crimp is assumed; in Python
         "laws" does. Refused of a pack and with [accuracy], which take too long for it
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
         a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
         its standard error
-    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
-        what is assumed
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run
         of another version of the code is refused
+    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
+        what is assumed
     **options : beside a fabric, keywords of `setup`
 
     Returns
     -------
     ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful`
     and warns with `DoubtfulResult`. Where the folder to `resume` from holds the results of this very
-    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`)
+    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`). With `interval` an
+    IntervalResult, a row for each shot
 
     Raises
     ------
@@ -270,6 +267,16 @@ def impact(
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
+    if interval:
+        from weavecell.api.intervals import plan_interval
+
+        # a command asks for the range "laws" by itself
+        beside = {
+            "assumed_range": True if assumed_range is True else None,
+            "uncertainty": uncertainty or None,
+        }
+        # its result is another, as that of a check is
+        return cast(Any, plan_interval(panel, "shot", None, beside))
     over = ranges.with_ends(panel.setup, assumed_range)
     # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
     if panel.setup.plies > 1 or accuracy:
@@ -579,10 +586,20 @@ class ShotResult(ImpactRecord, Result):
     def _say_in_words(self):
         """What was shot at, what the run took for granted, and the settings that were chosen, as the report
         has them."""
+        from shellfabric.impact import in_words
+        from weavecell.report import chapters
+
         if self.target is None:
             return {}
-        told: dict[str, Any] = {"velocity": True, "body": self.rigid_check}
-        return Wording.of_setup(self.target.setup, self.target.scene, **told).summary()
+        setup = self.target.setup
+        scene = None
+        if self.target.case is not None:
+            scene = self.target.case.scene
+        return {
+            "shot": chapters.describe_shot(setup, scene, velocity=True),
+            "assumptions": " ".join(in_words.say_assumptions(setup, body=self.rigid_check)),
+            "settings": in_words.say_choices(setup),
+        }
 
     def _keys_of_summary(self):
         return keys.table("run", self.kind, *keys.OF_SOME.values(), "failure", "stacking")

@@ -141,6 +141,9 @@ def _folder(name, parameters, values):
             stems.append(Path(values[parameter.name]).stem)
     if name not in OF_ONE_RUN:
         stems = [*name.split(), *stems]
+    # beside the folder of the one answer
+    if values.get("interval"):
+        stems.append("interval")
     return RESULTS / "-".join(stems)
 
 

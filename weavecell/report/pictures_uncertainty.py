@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.interval import Interval
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
@@ -154,4 +155,33 @@ def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantit
     axes.set_yticks(range(len(changes)), changes)
     axes.invert_yaxis()
     axes.set(xlabel=quantity.label)
+    return figure
+
+
+def draw_interval(pyplot: Any, interval: Interval, label: str) -> Any:
+    """Draw the value of each run of an interval, with place and frictions at its side; a ring is a
+    stop, and the band all runs.
+
+    Parameters
+    ----------
+    label : of the axis of velocities
+    """
+    runs = interval.runs
+    figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(runs)))
+    for row, run in enumerate(runs):
+        look: dict[str, Any] = {"color": BLUE}
+        if run.outcome == "stopped":
+            look = {"mfc": "white", "mec": GREEN, "mew": 1.8}
+        elif run.outcome == "perforated":
+            look = {"color": RED}
+        ends = [run.row.get(name) for name in ("lower_m_s", "upper_m_s")]
+        if None not in ends:
+            axes.plot(ends, [row, row], "-", color=BLUE, lw=1.5)
+        if run.value is not None:
+            axes.plot([run.value], [row], "o", ms=7, **look)
+    if interval.low is not None and interval.high is not None:
+        axes.axvspan(interval.low, interval.high, color=FAINT, alpha=0.25, lw=0)
+    axes.set_yticks(range(len(runs)), [run.variation.name for run in runs])
+    axes.set_ylim(len(runs) - 0.5, -0.5)
+    axes.set(xlabel=label)
     return figure

@@ -138,7 +138,16 @@ def table(*names: str) -> tuple[Key, ...]:
 SHARED = table("run", "folder")
 # tables of the kinds of results that are no impact: each has a JSON file and, but for a mesh, a table
 OF_KINDS = (
-    *("critical_velocity", "v50", "difference", "sweep", "tests", "comparison", "patch"),
+    *(
+        "critical_velocity",
+        "v50",
+        "difference",
+        "sweep",
+        "interval",
+        "tests",
+        "comparison",
+        "patch",
+    ),
     *("compression", "shot", "coupon", "biaxial", "law", "surface", "case", "mesh"),
 )
 # what a test on a coupon prescribes and measures: the columns of its record

@@ -58,6 +58,7 @@ KINDS = {
     "critical-velocity.json": Kind("critical_velocity", "shots.csv"),
     "v50.json": Kind("v50", "shots.csv"),
     "sweep.json": Kind("sweep", "sweep.csv"),
+    "interval.json": Kind("interval", "interval.csv"),
     "tests.json": Kind("tests", "shots.csv"),
     "compression.json": Kind("compression", "packs.csv"),
     "shot.json": Kind("shot", "motion.csv"),

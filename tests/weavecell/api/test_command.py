@@ -32,8 +32,13 @@ SCAN = {
 }
 OF_V50 = {"shots": [8, 9], "seed": [1, 2], "assumed_range": [True, False]}
 OPTIONS = {
-    "impact": {"assumed_range": [True, False], "uncertainty": [True, False]},
+    "impact": {
+        "interval": [True, False],
+        "assumed_range": [True, False],
+        "uncertainty": [True, False],
+    },
     "critical_velocity": {
+        "interval": [True, False],
         "tolerance": ["1 m/s", "7 m/s"],
         "v50_shots": [5, 9],
         "residual_shots": [1, 5],

@@ -71,6 +71,7 @@ def test_a_command_takes_the_numbers_that_its_function_takes(command, option, le
         ("patch", {"target": "shot.toml"}, "patch-shot"),
         ("sweep", {"target": "shot.toml"}, "sweep-shot"),
         ("calibrate", {"fabric": "mine.toml"}, "calibrate-mine"),
+        ("impact", {"target": "shot.toml", "interval": True}, "shot-interval"),
     ],
 )
 def test_the_folder_of_a_study_is_named_after_it_and_what_it_is_given(name, given, folder):

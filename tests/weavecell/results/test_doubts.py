@@ -29,6 +29,7 @@ MADE = {
     "sweep": lambda out: wc.sweep(
         "S-720", over={"panel.opening": ["40 mm", "50 mm"]}, quantity="critical-velocity", out=out
     ),
+    "interval": lambda out: wc.critical_velocity("S-720", interval=True, opening="50 mm", out=out),
     "tests": lambda out: wc.reduce_tests("pasted.csv", out=out),
     "comparison": lambda out: wc.reduce_tests("pasted.csv", "S-720", **SMALL, out=out),
     "impact": lambda out: _with_doubt(wc.impact("S-720", "150 m/s", **SHORT), out),

@@ -68,6 +68,7 @@ def test_shots_in_one_picture(shots):
 
 SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
 OVER = {"panel.opening": ["40 mm", "0.05 m"], "panel.plies": [1, 2]}
+YARNS = {"opening": "40 mm", "crossovers": "yarns", "zone": "12 mm"}
 # {kind of result: how to make it}; shots of studies are invented
 MADE = {
     "impact": lambda out: wc.impact("S-720", "150 m/s", **SHORT, out=out),
@@ -81,6 +82,9 @@ MADE = {
     "difference": lambda out: wc.compare("S-720", "S-728", shots=6, **SMALL, out=out),
     "sweep": lambda out: wc.sweep(
         "S-720", over=OVER, quantity="critical-velocity", one_at_a_time=True, out=out
+    ),
+    "interval": lambda out: wc.critical_velocity(
+        "S-728", interval=True, projectile="FSP 1.10 g", **YARNS, out=out
     ),
     "tests": lambda out: wc.reduce_tests("tests.csv", out=out),
     "comparison": lambda out: wc.reduce_tests("tests.csv", "S-720", **SMALL, out=out),
@@ -141,6 +145,7 @@ STUDIES = {
     "v50": lambda of, **more: wc.v50(of, shots=8, batch=4, **more),
     "difference": lambda of, **more: wc.compare(of, "S-720", shots=6, opening="50 mm", **more),
     "sweep": lambda of, **more: wc.sweep(of, over=OVER, quantity="critical-velocity", **more),
+    "interval": lambda of, **more: wc.critical_velocity(of, interval=True, **more),
     "comparison": lambda of, **more: wc.reduce_tests("tests.csv", of, **more),
 }
 

@@ -1,0 +1,330 @@
+"""The answer of a shot, or of a search of the critical velocity, over what nobody knows: where the
+nose strikes, and each friction that nobody gave (`studies.interval`).
+
+The folder of `weavecell impact --interval` and `weavecell critical-velocity --interval`
+    scene.toml      the input file
+    inputs/         copies of the files that the input file names
+    interval.json   the answer, what was varied and what decides; the runs; provenance
+    interval.csv    a row for each run
+    interval.svg    the value of each run
+    report.html     all of it on one page
+    runs/           a file for each finished run, from which `--resume` goes on
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from fabrics.base import run_cache
+from fabrics.base.counted import counted
+from fabrics.base.errors import InputError
+from fabrics.base.frozen import explain_frozen
+from weavecell.api import quantities
+from weavecell.api.command import Plan, Running
+from weavecell.api.run_size import StudySize
+from weavecell.api.study_result import StudyResult
+from weavecell.api.sweeps import forecast_row
+from weavecell.results import one_table, out_folder
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from weavecell.api.target import Target
+    from weavecell.studies.interval import Interval, Variation
+    from weavecell.studies.places import Places
+
+NAMES = ("interval.json", "interval.csv", "interval.svg", *out_folder.INPUT, "report.html")
+
+
+def plan_interval(
+    target: Target, quantity: str, tolerance: float | None, beside: Mapping[str, object]
+) -> IntervalPlan:
+    """Plan the answer of a target over what nobody knows.
+
+    Parameters
+    ----------
+    target : as it was given; its yarns are resolved
+    quantity : "shot" or "critical-velocity"
+    tolerance : [m/s] of the brackets of a limit; None takes `studies.interval.WIDTH` of one ply,
+        `limit.usual_tolerance` of a pack
+    beside : {option: value} of options that an interval does not read; None of what is not given
+
+    Raises
+    ------
+    InputError : one of these options, yarns that are pinned by the input, or what resolved yarns do
+        not have
+    """
+    from weavecell.studies import interval, places
+    from weavecell.studies.ballistic_limit import first_guess
+
+    quantities.refuse_unused(beside, "of an interval")
+    case = target.case
+    if case is not None:
+        panel = case.scene.panel
+        if panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set:
+            allowed = "yarns, auto, or left out of an interval, which resolves the yarns"
+            raise InputError(key="panel.crossovers", value="pinned", allowed=allowed)
+        if case.scene.accuracy is not None:
+            raise InputError(key="accuracy", allowed="left out of an interval")
+    with target.name_problems():
+        setup = places.resolve(target.setup)
+        velocity = setup.strike_velocity
+        if quantity == interval.LIMIT:
+            guess = first_guess(replace(target.setup, instead=None).target())
+            velocity = interval.FAST * guess
+            if tolerance is None and setup.plies == 1:
+                tolerance = interval.WIDTH * guess
+        if _has_own_place(target):
+            struck = places.Places((places.GIVEN,), "the input has the point")
+        else:
+            struck = places.choose_places(setup, velocity)
+        unknown = interval.find_unknown(setup)
+        first = interval.plan_first(setup, struck, unknown)
+        for run in first:
+            # what resolved yarns do not have is refused before anything is run
+            run.setup.plain_panels()
+    base = replace(target, setup=first[0].setup)
+    return IntervalPlan(base, setup, quantity, tolerance, struck, unknown, tuple(first))
+
+
+def _has_own_place(target):
+    """Whether the input says which point is struck."""
+    from shellfabric.yarns.model import aim
+
+    if target.case is not None:
+        panel = target.case.scene.panel
+        return panel.impact_point is not None or panel.aim_seed is not None
+    setup = target.setup
+    usual = [(0.0, 0.0), aim(setup.fabric.weave)]
+    return tuple(setup.impact_point) not in usual
+
+
+@dataclass(frozen=True)
+class IntervalPlan(Plan["IntervalResult"]):
+    """An answer over what nobody knows that is about to be computed.
+
+    Parameters
+    ----------
+    target : Target, with the set-up of the first run
+    setup : ImpactSetup of resolved yarns, from which all runs are made
+    quantity : "shot" or "critical-velocity"
+    tolerance : [m/s] of the brackets of a limit; None of a shot, and of the usual one of a pack
+    places : Places
+    unknown : {what is assumed: (low, high)} of the frictions that nobody gave
+    first : the runs whose agreement is the answer
+    """
+
+    files = NAMES
+
+    target: Target
+    setup: Any
+    quantity: str
+    tolerance: float | None
+    places: Places
+    unknown: Mapping[str, tuple[float, float]]
+    first: tuple[Variation, ...]
+
+    @property
+    def inputs(self) -> Sequence[tuple]:
+        """Set-up, quantity and tolerance of each of the first runs."""
+        return [self._take_row(run) for run in self.first]
+
+    def _take_row(self, run):
+        """The arguments of `sweep.row` of a Variation."""
+        from weavecell.studies import inputs
+
+        return inputs.use_one_thread(run.setup), self.quantity, self.tolerance
+
+    @property
+    def title(self) -> str:
+        """What is computed."""
+        return f"{self.target.title}, {self.quantity.replace('-', ' ')} over what nobody knows"
+
+    def forecast(self) -> StudySize:
+        """Forecast shots and CPU time of the runs, and of those that follow if they do not agree."""
+        from weavecell.studies import interval
+
+        # the last place has no plane of symmetry, or as many as the others
+        place = self.places.listed[-1]
+        more = interval.plan_more(self.setup, place, self.unknown, self.first)
+        size = self._add_up(self.first)
+        if not more:
+            return size
+        return replace(size, more=self._add_up(more))
+
+    def _add_up(self, runs):
+        sizes = [forecast_row(run.setup, self.quantity, 0, self.tolerance) for run in runs]
+        return StudySize.add_up(self.title, sizes)
+
+    def run(self, running: Running) -> IntervalResult:
+        """Compute the first runs, and if they do not agree those that tell what decides."""
+        from weavecell.studies import interval
+
+        log = logging.getLogger("weavecell")
+        size = self.forecast()
+        log.info(f"{self.title}: {counted(len(self.first), 'run')}, {size.cost}")
+        done = self._compute(self.first, running)
+        found = interval.Interval(self.quantity, self.places, self.unknown, done)
+        more = []
+        if not found.agrees:
+            more = interval.plan_more(self.setup, found.weakest, self.unknown, self.first)
+        if more:
+            cost = self._add_up(more).cost
+            log.info(f"they do not agree: {counted(len(more), 'run')} more, {cost}")
+            found = replace(found, runs=(*done, *self._compute(more, running)))
+        return running.save(IntervalResult(self.target, found, running.wall_time))
+
+    def _compute(self, runs, running):
+        from weavecell.studies import interval, sweep
+
+        with running.count(counted(len(runs), "run")) as part:
+            arguments = [self._take_row(run) for run in runs]
+            rows = run_cache.results(sweep.row, arguments, report=part(), **running.cache)
+        return tuple(interval.Run(run, row) for run, row in zip(runs, rows))
+
+
+@explain_frozen
+@dataclass(frozen=True, repr=False)
+class IntervalResult(StudyResult):
+    """The answer of a shot or of a search over what nobody knows.
+
+    Parameters
+    ----------
+    target : `weavecell.api.target.Target` of the first run
+    interval : `weavecell.studies.interval.Interval`, with the runs, what was varied, and what decides
+    wall_time : [s]
+
+    Examples
+    --------
+    >>> shot = {"opening": "30 mm", "end_time": "8 us", "crossovers": "yarns", "zone": "9 mm"}
+    >>> found = wc.impact("S-720", "150 m/s", interval=True, crossover_friction=0.2, **shot)
+    >>> found.outcome, len(found.to_dataframe())
+    ('in flight', 2)
+    """
+
+    kind = "interval"
+
+    target: Target
+    interval: Interval
+    wall_time: float = 0.0
+
+    @property
+    def title(self) -> str:
+        from weavecell.studies import interval
+
+        if self.interval.quantity == interval.SHOT:
+            return self.target.shot_title
+        return self.target.title
+
+    @property
+    def outcome(self) -> str:
+        """Outcome of all shots; "depends" where they differ; "" of limits."""
+        return self.interval.outcome
+
+    @property
+    def low(self) -> float | None:
+        """[m/s] lowest residual velocity, or limit."""
+        return self.interval.low
+
+    @property
+    def high(self) -> float | None:
+        """[m/s] highest residual velocity, or limit."""
+        return self.interval.high
+
+    @property
+    def decides(self) -> tuple[str, ...]:
+        """What decides the answer, in words; empty where all runs agree."""
+        return self.interval.decides
+
+    @property
+    def answer(self) -> str:
+        """The answer in one line."""
+        return self.interval.words()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """How many runs are doubtful."""
+        if not self.interval.doubtful:
+            return ()
+        return (f"{self.interval.doubtful} of {counted(len(self.interval.runs), 'run')}",)
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        from weavecell.studies import interval
+
+        if self.interval.quantity == interval.SHOT:
+            return "Outcome", self.answer
+        return interval.label(self.interval.quantity).capitalize(), self.answer
+
+    def _what(self):
+        return f"{self.title}: {self.answer}"
+
+    @property
+    def _named(self):
+        """The runs, with the columns of the table that the solver does not give."""
+        from weavecell.studies import interval
+
+        rows = []
+        for run in self.interval.runs:
+            setup = run.variation.setup
+            of_run = {
+                "place": run.variation.place.name,
+                "friction_between_yarns": float(setup.crossovers.friction),
+                "friction_on_nose": float(setup.projectile.friction),
+            }
+            if setup.plies > 1:
+                of_run["friction_between_plies"] = float(setup.ply_friction)
+            of_run["modelled_part"] = setup.symmetry
+            if self.interval.quantity == interval.SHOT:
+                of_run["strike_velocity_m_s"] = float(setup.strike_velocity)
+            rows.append(of_run | dict(run.row))
+        return rows
+
+    def _columns(self):
+        rows = self._named
+        names = dict.fromkeys(name for row in rows for name in row)
+        return {name: [row.get(name) for row in rows] for name in names}
+
+    def draw(self, pyplot: Any) -> Figure:
+        """Draw the value of each run [m/s], and the interval."""
+        from weavecell.report import pictures_uncertainty
+        from weavecell.studies.sweep import QUANTITIES
+
+        label = QUANTITIES[self.interval.quantity].label
+        return pictures_uncertainty.draw_interval(pyplot, self.interval, label)
+
+    def files(self) -> dict[str, Any]:
+        """Return {file: what it holds}, as `StudyResult` does."""
+        content = {"format": "weavecell interval 1", **one_table.facts(self, self.kind)}
+        return {
+            "interval.json": content | {"runs": self._named},
+            "interval.csv": self.to_csv(),
+            "interval.svg": None,
+        }
+
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
+        from weavecell.studies import interval
+
+        head = self.answer
+        if self.interval.quantity == interval.LIMIT:
+            head = f"critical velocity {head}"
+        lines = [f"{self.title}: {head}"]
+        for run in self.interval.runs:
+            doubt = ""
+            if run.doubtful:
+                doubt = f", {run.row['checks']}"
+            value = ""
+            if run.value:
+                value = f"{run.value:.1f} m/s, "
+            lines.append(f"{run.variation.name}: {value}{run.outcome}{doubt}")
+        if self.interval.places.why:
+            lines.append(f"one place: {self.interval.places.why}")
+        if effects := self.interval.effects:
+            moved = ", ".join(f"{name} {effect:.1f} m/s" for name, effect in effects.items())
+            lines.append(f"each alone moves the answer by: {moved}")
+        lines.append("an interval is the envelope of these runs, and no bound")
+        return lines

@@ -1,0 +1,362 @@
+"""The answer of a shot or of a search as an interval over what nobody knows: the place that is
+struck, and each friction that nobody gave.
+
+Each place is struck with all these frictions at the low ends of their ranges, and the first also
+with all at the high ends: there yarns hold, and places are alike. Where the runs agree, that is the
+answer. Else each friction alone is set to its high end at the place that stopped least, and what moves the
+answer by half of the interval or more decides it. An interval is the envelope of these runs, and no
+bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fabrics import data_sheet
+from fabrics.base.counted import counted
+from shellfabric.impact.setup import ImpactSetup
+from weavecell.studies import inputs
+from weavecell.studies.assumed_range import is_given, set_value
+from weavecell.studies.places import Place, Places, strike_at
+from weavecell.studies.sweep import QUANTITIES
+
+SHOT = "shot"
+LIMIT = "critical-velocity"
+PLACE = "the place"
+# {what is assumed: (in words, what tells it)}
+FRICTIONS = {
+    inputs.FRICTION_OF_CROSSOVERS: (
+        "friction between yarns",
+        "measure friction between yarns by a pull-out",
+    ),
+    data_sheet.FRICTION_OF_PROJECTILE: ("friction on the nose", "give `projectile.friction`"),
+    data_sheet.FRICTION_BETWEEN_PLIES: ("friction between plies", "give `panel.ply_friction`"),
+}
+ADVICE = {PLACE: "`v50` gives the share"} | dict(FRICTIONS.values())
+# [-] of the strike velocity, or of the highest limit: runs that differ by less agree
+AGREE = 0.1
+# [-] of the interval: what moves the answer by so much decides it
+DECIDES = 0.5
+# [-] of the first guess: width of the brackets of limits of one ply, where none is asked for
+WIDTH = 0.02
+# [-] of the first guess, for which it is judged whether friction holds the yarns of a limit
+FAST = 1.5
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One run of an interval.
+
+    Parameters
+    ----------
+    place : Place
+    frictions : {what is assumed: value} of what was varied
+    setup : ImpactSetup
+    """
+
+    place: Place
+    frictions: Mapping[str, float]
+    setup: ImpactSetup
+
+    @property
+    def name(self) -> str:
+        """Place and frictions in words."""
+        return ", ".join((self.place.name, *_say_frictions(self.frictions)))
+
+
+def _say_frictions(values):
+    """The frictions of a run, {what is assumed: value}, in words."""
+    return [f"{FRICTIONS[name][0]} {value:g}" for name, value in values.items()]
+
+
+def find_unknown(setup: ImpactSetup) -> dict[str, tuple[float, float]]:
+    """Find the frictions of a set-up that nobody gave: {what is assumed: (low, high)}."""
+    entries = inputs.ranges(*setup.fabrics)
+    found = {}
+    for name in FRICTIONS:
+        ends = entries[name].low, entries[name].high
+        low, high = (set_value(setup, name, end) for end in ends)
+        if not is_given(setup, name) and low != high:
+            found[name] = ends
+    return found
+
+
+def vary(setup: ImpactSetup, place: Place, frictions: Mapping[str, float]) -> Variation:
+    """Return the run at a place with some frictions."""
+    for name, value in frictions.items():
+        setup = set_value(setup, name, value)
+    return Variation(place, dict(frictions), strike_at(setup, place))
+
+
+def plan_first(
+    setup: ImpactSetup, places: Places, unknown: Mapping[str, tuple[float, float]]
+) -> list[Variation]:
+    """Plan the runs whose agreement is an answer.
+
+    Parameters
+    ----------
+    setup : ImpactSetup of resolved yarns
+    unknown : of `find_unknown`
+    """
+    low, high = ({name: ends[end] for name, ends in unknown.items()} for end in (0, 1))
+    first = [vary(setup, place, low) for place in places.listed]
+    if unknown:
+        first.append(vary(setup, places.listed[0], high))
+    return first
+
+
+def plan_more(
+    setup: ImpactSetup,
+    place: Place,
+    unknown: Mapping[str, tuple[float, float]],
+    done: Sequence[Variation],
+) -> list[Variation]:
+    """Plan the runs that tell which friction decides: each alone at its high end.
+
+    Parameters
+    ----------
+    place : that stopped least
+    done : runs that are not planned again
+    """
+    known = [(run.place, run.frictions) for run in done]
+    low = {name: ends[0] for name, ends in unknown.items()}
+    more = []
+    for name, (_, high) in unknown.items():
+        frictions = low | {name: high}
+        if (place, frictions) not in known:
+            more.append(vary(setup, place, frictions))
+    return more
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of an interval with what came of it.
+
+    Parameters
+    ----------
+    variation : Variation
+    row : {name of a result: value}, of `sweep.row`
+    """
+
+    variation: Variation
+    row: Mapping[str, Any]
+
+    @property
+    def outcome(self) -> str:
+        """As in the row."""
+        return str(self.row["outcome"])
+
+    @property
+    def value(self) -> float | None:
+        """[m/s] residual velocity, 0 of a nose that stopped; or limit, the middle of its zone where
+        outcomes mix; None of a run that has none."""
+        if "residual_velocity_m_s" in self.row:
+            if self.outcome == "unstable":
+                return None
+            # one that is taken as stopped may have a little of its velocity left
+            if self.outcome == "stopped":
+                return 0.0
+            return float(self.row["residual_velocity_m_s"])
+        if self.row.get("lower_m_s") is None:
+            return None
+        middle = 0.5 * (self.row["lower_m_s"] + self.row["upper_m_s"])
+        return float(self.row.get("critical_velocity_m_s") or middle)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a quality check of the run is beyond its limit."""
+        return str(self.row.get("checks", "")).startswith("doubtful")
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An answer over what nobody knows.
+
+    Parameters
+    ----------
+    quantity : SHOT or LIMIT
+    places : Places
+    unknown : {what is assumed: (low, high)} of the frictions that were varied
+    runs : tuple of Run
+    """
+
+    quantity: str
+    places: Places
+    unknown: Mapping[str, tuple[float, float]]
+    runs: tuple[Run, ...]
+
+    @property
+    def known(self) -> list[tuple[float, Run]]:
+        """[(value [m/s], Run)] of the runs that have a value, the lowest first."""
+        found = [(run.value, run) for run in self.runs if run.value is not None]
+        return sorted(found, key=lambda pair: pair[0])
+
+    @property
+    def low(self) -> float | None:
+        """[m/s] the lowest value; None if no run has one."""
+        return min((value for value, _ in self.known), default=None)
+
+    @property
+    def high(self) -> float | None:
+        """[m/s] the highest value; None if no run has one."""
+        return max((value for value, _ in self.known), default=None)
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """Of the shots, each once; empty of limits."""
+        if self.quantity != SHOT:
+            return ()
+        return tuple(dict.fromkeys(run.outcome for run in self.runs))
+
+    @property
+    def outcome(self) -> str:
+        """Of all shots; "depends" where they differ; "" of limits."""
+        if len(self.outcomes) > 1:
+            return "depends"
+        return "".join(self.outcomes)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether one answer holds for all runs."""
+        if self.low is None or self.high is None or len(self.known) < len(self.runs):
+            return False
+        scale = self.high
+        if self.quantity == SHOT:
+            scale = self.runs[0].variation.setup.strike_velocity
+        return len(self.outcomes) < 2 and self.high - self.low <= AGREE * scale
+
+    def values_with(self, frictions: Mapping[str, float]) -> dict[Place, float]:
+        """Return {place: [m/s]} of the runs with some frictions that have a value, the lowest
+        first."""
+        of = [(run.variation, value) for value, run in self.known]
+        return {one.place: value for one, value in of if one.frictions == frictions}
+
+    @property
+    def lowest(self) -> dict[str, float]:
+        """{what is assumed: low end} of the frictions that were varied."""
+        return {name: ends[0] for name, ends in self.unknown.items()}
+
+    @property
+    def weakest(self) -> Place:
+        """The place that stopped least, with all frictions at their low ends."""
+        places = [*self.values_with(self.lowest)] or [self.places.listed[0]]
+        if self.quantity == SHOT:
+            return places[-1]
+        return places[0]
+
+    @property
+    def effects(self) -> dict[str, float]:
+        """{the place, or a friction in words: [m/s] by which it alone moves the answer}, the largest
+        first; empty of what was not looked at."""
+        found = {}
+        by_place = self.values_with(self.lowest)
+        if len(by_place) > 1:
+            found[PLACE] = max(by_place.values()) - min(by_place.values())
+        for name, (_, high) in self.unknown.items():
+            raised = self.values_with(self.lowest | {name: high})
+            if self.weakest in raised and self.weakest in by_place:
+                moved = raised[self.weakest] - by_place[self.weakest]
+                found[FRICTIONS[name][0]] = abs(moved)
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+    @property
+    def decides(self) -> tuple[str, ...]:
+        """What decides the answer: what moves it by half of the interval; where nothing alone does,
+        all that moves it. Empty where the runs agree."""
+        if self.agrees or self.low is None or self.high is None:
+            return ()
+        least = DECIDES * (self.high - self.low)
+        alone = tuple(name for name, effect in self.effects.items() if effect >= least > 0)
+        return alone or tuple(name for name, effect in self.effects.items() if effect > 0)
+
+    @property
+    def doubtful(self) -> int:
+        """Number of runs with a doubtful check."""
+        return sum(run.doubtful for run in self.runs)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """{friction in words: (low, high)} of those that were varied."""
+        return {FRICTIONS[name][0]: ends for name, ends in self.unknown.items()}
+
+    @property
+    def varied(self) -> str:
+        """The frictions that were varied, in words; "" if all were given."""
+        return ", ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in self.ranges.items())
+
+    def words(self) -> str:
+        """Write the answer in one line: what all runs agree on, or what decides."""
+        if self.low is None or self.high is None:
+            return f"no run has a value: {self.runs[0].outcome}"
+        parts = [self._answer()]
+        if self.agrees and self.varied:
+            parts[0] += f", {self.varied}"
+        if self.decides:
+            parts[0] += f": {self._what_decides()}"
+            parts += [ADVICE[name] for name in self.decides]
+        if lost := [run for run in self.runs if run.value is None]:
+            parts.append(f"{len(lost)} of {counted(len(self.runs), 'run')}: {lost[0].outcome}")
+        return "; ".join(parts)
+
+    def _what_decides(self):
+        *others, last = self.decides
+        if not others:
+            return f"{last} decides"
+        return f"{', '.join(others)} and {last} decide"
+
+    def _answer(self):
+        """The answer without what decides."""
+        span = _say_span(self.low, self.high)
+        if self.quantity != SHOT:
+            if self.agrees:
+                return f"{span} {self.places.words}"
+            return span
+        if self.outcome == "stopped":
+            return f"stopped {self.places.words}"
+        if len(self.outcomes) == 1:
+            return f"{self.outcome} {self.places.words}, {span} left"
+        runs_at = {}
+        for place in self.places.listed:
+            runs_at[place] = [run for run in self.runs if run.variation.place == place]
+        mixed = [place for place, runs in runs_at.items() if len({run.outcome for run in runs}) > 1]
+        if self.decides == (PLACE,) and not mixed:
+            return ", ".join(_say_place(place, runs) for place, runs in runs_at.items())
+        _, strongest = self.known[0]
+        _, weakest = self.known[-1]
+        ends = [_say_frictions(run.variation.frictions) for run in (strongest, weakest)]
+        if ends[0] == ends[1]:
+            ends[0] = []
+        return ", ".join(_say_run(run, words) for run, words in zip((strongest, weakest), ends))
+
+
+def _say_span(low, high):
+    """An interval of velocities [m/s] in words, with one number where both ends are alike."""
+    if f"{low:.1f}" == f"{high:.1f}":
+        return f"{low:.1f} m/s"
+    return f"{low:.1f} to {high:.1f} m/s"
+
+
+def _say_place(place, runs):
+    """The outcome of all runs at a place, with what is left."""
+    outcome = runs[0].outcome
+    if outcome == "stopped":
+        return f"{outcome} {place.name}"
+    values = [run.value for run in runs if run.value is not None]
+    return f"{outcome} {place.name} with {_say_span(min(values), max(values))} left"
+
+
+def _say_run(run, frictions):
+    """The outcome of a run, where it was struck, and its frictions in words."""
+    words = f"{run.outcome} {run.variation.place.name}"
+    if run.outcome != "stopped":
+        words += f" with {run.value:.1f} m/s left"
+    if frictions:
+        words += f" ({', '.join(frictions)})"
+    return words
+
+
+def label(quantity: str) -> str:
+    """Return what the answer is about."""
+    return QUANTITIES[quantity].label.partition(" [")[0]
