@@ -8,6 +8,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent / "tools")]
 
 import gallery  # noqa: E402
+import python_page  # noqa: E402
 
 from fabrics import __version__  # noqa: E402
 
@@ -48,9 +49,7 @@ numpydoc_validation_checks = {
 numpydoc_validation_exclude = {r"\.[A-Z]\w*\.\w+$", r"^meshing\.(Crossover|Patch)$"}
 numpydoc_validation_exclude |= {r"^weavecell\.ShotResult$"}
 # their docstrings have the keywords that they pass on as **options
-numpydoc_validation_exclude |= {
-    r"^weavecell\.(calibrate|compare|critical_velocity|impact|reduce_tests|setup|surface|sweep|v50)$"
-}
+numpydoc_validation_exclude |= {rf"^weavecell\.{name}$" for name in python_page.passing_on()}
 
 nb_execution_mode = "off"  # the notebooks are kept with the outputs of `python tools/notebooks.py`
 

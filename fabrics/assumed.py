@@ -138,8 +138,6 @@ def _usual_ranges(fabric, table):
     family = family_of(fabric)
     if family is None or table not in ("shear", "solid"):
         return {}
-    if table == "shear" and not fabric.weave.pattern.is_plain:
-        return {}
     laws = {}
     for end in ("soft", "nominal", "stiff"):
         if table == "shear":
@@ -350,6 +348,8 @@ def lines(fabric: Fabric) -> list[str]:
     if family is not None and family.of_others:
         wider = ", with wider ranges for another fibre"
     more = {"shear": ", its angles from width and spacing of the yarns"}
+    if not fabric.weave.pattern.is_plain:
+        more["shear"] += ", its moduli those of a plain weave"
     words = {table: f"[{table}] of {name} yarns{more.get(table, '')}{wider}" for table in TABLES}
     for key, entry in shot_entries(fabric).items():
         words[key] = f"{key} {entry.written}"

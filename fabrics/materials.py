@@ -7,6 +7,7 @@ Clay and gelatine by name are in `fabrics.backings`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from math import inf, sqrt
 from pathlib import Path
 
@@ -120,6 +121,7 @@ def read_table(name: str) -> Constants:
     return found
 
 
+@cache
 def load(name: str) -> Isotropic:
     """Return the material "steel" or "backing" of `materials.toml`.
 
@@ -138,6 +140,7 @@ def of_table(table: Constants, file: FilePath) -> Isotropic:
     return Isotropic(**in_si(table, UNITS, file))
 
 
+@cache
 def round_projectile() -> dict[str, float]:
     """Read diameter, length, mass and bore [m, kg] of the right circular cylinder of the thesis."""
     return in_si(read_table("rcc"), _ROUND, _FILE)

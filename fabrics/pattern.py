@@ -6,7 +6,8 @@ that makers use are read too ("2/2 twill", "8HS", "matt 2x2").
 
 Between two crossings a yarn changes sides or floats on. `Pattern.interlacings` is the share of
 spacings over which it changes sides: 1 in plain weave, a half in 2x2 basket, 2/2 twill and crowfoot,
-2/5 in satin 5. Models of this project that are of plain weave alone say so by `Weave.require_plain`.
+2/5 in satin 5. Models of this project that do not hold for every weave say so by `Weave.require_plain`
+and `Weave.require_like_crossings`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from math import gcd
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fabrics.base.checks import FloatArray
+from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError
 
 ALLOWED = (
@@ -161,6 +162,40 @@ class Pattern:
         along_warp, along_weft = self._changes
         counts = along_warp.sum(axis=1), along_weft.sum(axis=0)
         return all(np.ptp(count) == 0 for count in counts)
+
+    @cached_property
+    def turns(self) -> tuple[IntArray, IntArray]:
+        """(warp yarns, weft yarns) of the repeat: on how many of its two sides (0, 1, 2) the warp, the
+        weft of a crossing changes sides."""
+        along_warp, along_weft = (changes.astype(int) for changes in self._changes)
+        return (
+            along_warp + np.roll(along_warp, 1, axis=1),
+            along_weft + np.roll(along_weft, 1, axis=0),
+        )
+
+    @property
+    def has_like_crossings(self) -> bool:
+        """Whether warp and weft change sides beside every crossing equally often: in 2x2 basket and 2/2
+        twill both on one side of each; in 3/1 twill on both sides of a tie and on none in the middle of
+        a float, in 1x2 basket the weft on both sides and the warp on one."""
+        return bool(np.ptp(np.concatenate([turns.ravel() for turns in self.turns])) == 0)
+
+    def find_mirror(self, family: int) -> int | None:
+        """Find the first yarn of the family 0 (warp) or 1 (weft) whose middle line is an axis of
+        symmetry of the pattern; None without one."""
+        own = np.moveaxis(self.matrix, family, 0)
+        for yarn in range(len(own)):
+            aside = np.arange(len(own))
+            if np.array_equal(own[(yarn + aside) % len(own)], own[(yarn - aside) % len(own)]):
+                return yarn
+        return None
+
+    @cached_property
+    def centre(self) -> tuple[int, int]:
+        """Numbers of the warp yarn and of the weft yarn that cross in the middle of a panel: those
+        of axes of symmetry, else 0."""
+        warp, weft = (self.find_mirror(family) or 0 for family in range(2))
+        return warp, weft
 
     @property
     def _changes(self):

@@ -77,8 +77,10 @@ def of_packs(fabric: Fabric) -> PlyLaw:
 
     Raises
     ------
-    InputError : other than para-aramid yarns, no measured areal density, or one too low for the law
+    InputError : other than para-aramid yarns or plain weave, no measured areal density, or one too low
+        for the law
     """
+    fabric.weave.require_plain("the pressure law of packs, which plain weaves were tested for")
     family = family_of(fabric)
     if family is None or family.of_others or family.name != "para-aramid":
         raise InputError(

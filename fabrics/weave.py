@@ -151,6 +151,32 @@ class Weave:
         if not self.pattern.is_plain:
             raise InputError(key="weave", value=self.pattern.name, allowed=f"plain for {model}")
 
+    def require_even(self, model: str) -> None:
+        """Refuse a weave of which some yarns change sides more often than others of their family, for a
+        `model` of one warp and one weft.
+
+        Raises
+        ------
+        InputError : the yarns of a family are not alike
+        """
+        if not self.pattern.is_even:
+            allowed = f"a weave whose warp yarns change sides equally often, and its weft yarns, for {model}"
+            raise InputError(key="weave", value=self.pattern.name, allowed=allowed)
+
+    def require_like_crossings(self, model: str) -> None:
+        """Refuse a weave with crossings of several kinds, for a `model` that takes them all as one: a
+        tie of 3/1 twill or of satin carries more than the mean, the middle of a float nothing.
+
+        Raises
+        ------
+        InputError : crossings are not alike
+        """
+        if not self.pattern.has_like_crossings:
+            allowed = (
+                f"one whose crossings are all alike (plain, basket 2x2, twill 2/2) for {model}"
+            )
+            raise InputError(key="weave", value=self.pattern.name, allowed=allowed)
+
     @property
     def h01(self) -> float:
         """[m] initial height of the centreline of the warp."""

@@ -14,6 +14,7 @@ What is no reference, such as an expression or a line of an input file, is left 
 
 import ast
 import builtins
+import inspect
 import io
 import keyword
 import os
@@ -448,3 +449,25 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
 def test_planted_references_of_pages_are_found_if_they_name_nothing(small_house, text, dead):
     (small_house / "CONTRIBUTING.md").write_text(f"# Add\n\n- {text}\n")
     assert len(list(dead_references_of_pages(Index(small_house)))) == dead
+
+
+def test_docstrings_of_public_functions_explain_their_parameters_and_no_others(tool):
+    """As numpydoc asks for when the site is built: `*results` has its star."""
+    python_page = tool("python_page")
+    found, expected = {}, {}
+    for name, function in python_page.functions().items():
+        stars = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
+        parameters = inspect.signature(function).parameters.values()
+        expected[name] = [stars.get(one.kind, "") + one.name for one in parameters]
+        found[name] = python_page.documented(function)
+    assert found == expected
+    assert "**options" in found["patch"]
+    assert "patch" in python_page.passing_on()
+
+
+def test_the_python_page_refuses_to_leave_a_public_function_out(tool, monkeypatch):
+    python_page = tool("python_page")
+    shots = [name for name in python_page.SECTIONS["Shots"] if name != "patch"]
+    monkeypatch.setitem(python_page.SECTIONS, "Shots", tuple(shots))
+    with pytest.raises(ValueError, match=r"has no patch$"):
+        python_page.page()

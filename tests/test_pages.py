@@ -58,6 +58,14 @@ def test_results_written_by_hand_do_not_become_more(tool):
     assert more == {}
 
 
+def test_readme_and_docs_do_not_grow_beyond_what_anybody_reads(tool):
+    """Else: take out what stands twice; a report whose question is settled becomes a few lines."""
+    numbers = tool("page_numbers")
+    pages = numbers.words()
+    assert {"README.md", "docs/limits.md", "docs/generated/input.md"} <= set(pages)
+    assert sum(pages.values()) < numbers.MOST_WORDS
+
+
 MARK = "<!-- = measured[id=gelatine 10 %] {} -->{}<!-- / -->"
 
 
@@ -76,6 +84,88 @@ def test_a_mark_is_filled_from_the_data(tool):
         values.value("measured[id=moon] computed : .1f")
     with pytest.raises(ValueError, match="no column"):
         values.value("measured[id=gelatine 10 %] weight : .1f")
+
+
+@pytest.fixture
+def made_up(tool, monkeypatch, tmp_path):
+    """The module that fills marks, with one file of data: limits of two noses on two fabrics."""
+    values = tool("page_values")
+    monkeypatch.setattr(values, "DATA", tmp_path)
+    (tmp_path / "noses.csv").write_text(
+        "# made up\n"
+        "nose,fabric,strike [m/s],limit [m/s],95 %\n"
+        "flat,S-720,80,100,90 / 130\n"
+        "flat,S-728,90,130,110 / 150\n"
+        "cone,S-728,95,50,40 / 70\n"
+        "cone,S-720,85,40,30 / 55\n"
+        "ogive,S-720,86,,\n"
+    )
+    return values
+
+
+@pytest.mark.parametrize(
+    ("asked", "text"),
+    [
+        ("noses[nose=flat; fabric=S-728] 95 %#2 : .0f", "150"),
+        ("noses[nose=flat; fabric=S-728] limit [m/s] over strike [m/s] : +.1f%", "+44.4 %"),
+        (
+            "noses[nose=cone; fabric=S-728] limit [m/s] over [nose=flat; fabric=S-720] limit [m/s] : .2f",
+            "0.50",
+        ),
+        ("mean noses[strike [m/s]=85..90] limit [m/s] : .1f", "85.0"),
+        ("error noses[strike [m/s]=85..90] limit [m/s] : .1f", "45.0"),
+        ("count noses[nose=o*] : d", "1"),
+        ("noses[nose=flat; fabric=S-728] fabric : s", "S-728"),
+        ("code fabrics/data_sheet.toml over the value, ply_gap, high : .1f", "2.3"),
+    ],
+)
+def test_a_mark_takes_ratios_parts_ranges_and_means(made_up, asked, text):
+    assert made_up.value(asked) == text
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("noses[nose=flat] limit [m/s] : .1f", "2 values"),
+        ("noses[nose=ogive] limit [m/s] : .1f", "1 values"),
+        ("noses[fabric=S-728; nose=cone] limit [m/s] over [nose=flat] limit [m/s] : .1f", "2 rows"),
+        ("noses[colour=red] limit [m/s] : .1f", "no column 'colour'"),
+        ("noses limit [m/s]", "no mark"),
+    ],
+)
+def test_a_mark_that_means_several_rows_or_none_is_refused(made_up, asked, told):
+    with pytest.raises(ValueError, match=told):
+        made_up.value(asked)
+
+
+def test_a_row_of_a_table_is_made_of_the_rows_that_are_alike(made_up):
+    limit = "limit [m/s]"
+    off = f"{{[fabric=S-728] {limit} over [fabric=S-720] {limit}:+.0f%}}"
+    head = f"<!-- rows noses[{limit}=1..200] by nose | {{nose}} | {{[fabric=S-720] {limit}:.0f}} | {off} -->\n"
+    head += "| nose | S-720 | S-728 off |\n| --- | ---: | ---: |\n"
+    rows = "| flat | 100 | +30 % |\n| cone | 40 | +25 % |\n"
+    end = "<!-- / -->"
+    assert made_up.filled(head + "| flat | 90 | |\n" + end) == head + rows + end
+    # the ogive has no row of S-728
+    with pytest.raises(ValueError, match="0 rows"):
+        made_up.filled(head.replace(f"[{limit}=1..200]", "") + end)
+
+
+def test_a_change_of_a_file_changes_every_page_that_quotes_it(tool, monkeypatch, tmp_path):
+    values = tool("page_values")
+    texts = {page: TEXTS[page] for page in values.pages()}
+    quoting = {
+        page for page, text in texts.items() if re.search(r"<!-- [^>]*strength-limits", text)
+    }
+    assert len(quoting) == 4
+    for path in values.DATA.iterdir():
+        (tmp_path / path.name).symlink_to(path)
+    changed = tmp_path / "strength-limits.csv"
+    text = changed.read_text("utf-8")
+    changed.unlink()
+    changed.write_text(text.replace("101.38", "99.38").replace("106.51", "104.51"), "utf-8")
+    monkeypatch.setattr(values, "DATA", tmp_path)
+    assert {page for page, text in texts.items() if values.filled(text) != text} == quoting
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -1,26 +1,24 @@
-"""Calls whose last bits depend on the processor: made by `fabrics.base.sums`, or on a page with a reason."""
+"""Calls whose last bits depend on the processor: made by `fabrics.base.sums`, or listed with a reason."""
 
-import re
+import csv
 from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).parents[1] / "docs/developers/processors.md"
+KEPT = Path(__file__).parents[1] / "tools/processor_places.csv"
 
 
 def listed():
-    """{(file, function): calls} of the page; each line says what it decides, and why that does no harm."""
-    table = PAGE.read_text("utf-8").partition("## Places that are left")[2]
+    """{(file, function): calls} of the list; each line says what it decides, and why that does no harm."""
     found = {}
-    for line in re.findall(r"^\| (\w+/.*) \|$", table, re.MULTILINE):
-        name, function, calls, decides, reason = (cell.strip() for cell in line.split("|"))
-        assert decides, line
-        assert reason, line
-        found[name, function] = set(calls.split(", "))
+    with open(KEPT, encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            assert all(row.values()), row
+            found[row["file"], row["function"]] = set(row["calls"].split(", "))
     return found
 
 
-def test_the_page_lists_what_there_is(tool):
+def test_the_list_has_what_there_is(tool):
     assert listed() == tool("processor_places").places()
 
 

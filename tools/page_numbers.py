@@ -9,9 +9,11 @@ Left out: what stands between marks (tools/pages.py, tools/page_values.py), code
     test           its sentence names a test, a measurement or another source
     input          stands with the same unit in an input of the project: studies, fabrics, examples
     count          a small whole number in prose
+    label          in the heading or the first cell of a table's row
 
 tests/test_pages.py compares the counts of results with docs/numbers.csv, which --write makes of the pages as they are:
-a page may only get fewer.
+a page may only get fewer. It also holds the words of README and docs, pages that are made with the site alone left out,
+below `MOST_WORDS`. Comments are not counted, since readers do not see them.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ import page_values  # noqa: E402
 
 NUMBER = r"(?<![\w.,/#-])[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?(?![\w]*[A-Za-z]\d|[\d])"
 TOKEN = re.compile(
-    rf"(?P<n>{NUMBER})(?P<u>\s?(?:%|°|µs|us|ns|ms|s|mm|m/s|m²|kg/m³|g/m²|µm|um|m|N|J|GPa|MPa|Pa|kg|g|times|plies|dtex|den)(?![\w/²]))?"
+    rf"(?P<n>{NUMBER})(?P<u>\s?(?:%|°|degrees|µs|us|ns|ms|s|mm|m/s|m²|kg/m³|g/m²|µm|um|m|N|J|GPa|MPa|Pa|kg|g|times|plies|dtex|den)(?![\w/²]))?"
 )
 GONE = [
     re.compile(p, re.S | re.M)
@@ -53,13 +55,15 @@ NAMES = re.compile(
             r"\b(?:S-\d+|Kevlar(?:®)? \d+(?: [A-Z]\d+)?|IM7|T300|K\d+|42 ?CrMo ?4)\b",
             r"\b(?:LAW ?\d+|FORM ?\d+|MAT_?\d+|E-\d+|V50|V0|[123]D|R[²2]|npz|UTF-8|x86-64)\b",
             r"\b(?:Python|numba|OpenRadioss|Debian) \d[\d.]*",
-            r"\b(?:ASME V&V|ISO|ASTM|MIL|NIJ|STANAG)[ -][\w.]+|\b0/45/0/45\b|\b0/90\b",
+            r"\b(?:ASME V&V|ISO|ASTM|MIL|NIJ|STANAG)[ -][\w.-]+|\b0/45/0/45\b|\b0/90\b",
             r"\b10\.\d{4,}/[\w.()/-]+",
             r"\b(?:[Ff]ig(?:ure|s?\.|ures)?|[Ss]ections?|[Tt]ables?|[Cc]hapters?|[Ee]q(?:uations?|s?\.)"
             r"|[Aa]pp(?:endix|\.)|pages?|p\.|pp\.|Vol\.|No\.|rows?|cases?|step|zone|type|errat(?:um|a)"
             r"|commit|version|seed) (?:[A-Z]?-?\d[\w.-]*(?:(?:, | and | to )[A-Z]?-?\d[\w.-]*)*)",
             r"\b(?:19|20)\d\d(?:-\d\d(?:-\d\d)?)?\b",
-            r"\b\d+, \d+-\d+\b|\bRes\. J\. \d+,\s*\d+|^\s*\d+\. |\b[A-Z][a-z]+-\d+\b",
+            r"\b1/[a-zA-Z]+\b|\b\d+(?: x \d+)+(?![.\d])(?: m?m\b)?"  # panels and meshes are set up
+            r"|\bfriction (?:of |between |on the nose |yarns |plies )*\d[\d.]*(?: (?:to|and) \d[\d.]*)?"
+            r"|\b\d+ \(\d{4}\) \d+|\b\d+, \d+-\d+\b|\bRes\. J\. \d+,\s*\d+|^\s*\d+\. |\b[A-Z][a-z]+-\d+\b",
         )
     ),
     re.MULTILINE,
@@ -116,9 +120,11 @@ def of_page(path):
         line = clean[clean.rfind("\n", 0, match.start()) + 1 : clean.find("\n", match.end())]
         in_table = line.lstrip().startswith("|")
         unit = (match["u"] or "").strip()
-        known = {"us": "µs", "um": "µm"}.get(unit, unit)
+        known = {"us": "µs", "um": "µm", "degrees": "°"}.get(unit, unit)
         counted = unit in ("plies", "times") or not (unit or in_table)
-        if counted and value <= 20 and value.is_integer():
+        if in_table and is_label(clean, match):
+            kind = "label"
+        elif counted and value <= 20 and value.is_integer():
             kind = "count"
         elif unit and (value, known) in INPUTS:
             kind = "input"
@@ -131,6 +137,14 @@ def of_page(path):
         row = text.count("\n", 0, match.start()) + 1
         found.append((kind, row, word, unit, " ".join(line.split())[:110]))
     return found
+
+
+def is_label(text, match):
+    """Say whether a number of a table stands in its heading or in the first cell of its row."""
+    begin = text.rfind("\n", 0, match.start()) + 1
+    end = text.find("\n", match.end())
+    heading = re.match(r"\|[ :|-]+$", text[end + 1 :].partition("\n")[0])
+    return heading is not None or text.count("|", begin, match.start()) == 1
 
 
 def sentence(text, match):
@@ -154,6 +168,7 @@ def sentence(text, match):
 
 INPUTS = inputs()
 ALLOWED = ROOT / "docs" / "numbers.csv"
+MOST_WORDS = 60_000
 
 
 def counted():
@@ -165,6 +180,17 @@ def counted():
         if results:
             found[str(page.relative_to(ROOT))] = results
     return found
+
+
+def words():
+    """Count the words of each page of README and docs that git keeps, made from code or not."""
+    pages = [*page_values.written(), *(ROOT / "docs" / "generated").glob("*.md")]
+    seen = {page: re.sub(r"<!--.*?-->", "", page.read_text("utf-8"), flags=re.S) for page in pages}
+    return {
+        str(page.relative_to(ROOT)): len(text.split())
+        for page, text in seen.items()
+        if "validation" not in page.relative_to(ROOT).parts
+    }
 
 
 def allowed():
@@ -187,8 +213,10 @@ def main():
     if options.write:
         lines = [f"{name},{number}\n" for name, number in counts.items()]
         ALLOWED.write_text("page,results by hand\n" + "".join(lines), "utf-8")
-    for name, number in counts.items():
-        print(f"{number:5} {name}")
+    sizes = words()
+    for name in {**sizes, **counts}:
+        print(f"{counts.get(name, 0):5} results {sizes.get(name, 0):7} words  {name}")
+    print(f"{sum(counts.values()):5} results {sum(sizes.values()):7} words")
 
 
 if __name__ == "__main__":

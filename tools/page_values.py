@@ -4,49 +4,115 @@ A mark is a comment, since a forge shows directives and roles as text. A number:
 
     <!-- = panel-plies[panel=203 mm; plies=2] V50 [m/s] : .0f -->206<!-- / -->
 
-is the value of a column in the row of a file of docs/reports/data in which other columns have these values. `a over b`
-in place of a column is the ratio of two, `least` or `most` before the file is taken over several rows, and a format
-that ends with % shows how far a ratio is above 1, in per cent. `code MODULE NAME KEY : FORMAT` is a number of the
-code, one of `CODE`. Rows of a table, under a heading that stays as it is written:
+is the value of a column in the row of a file of docs/reports/data in which other columns have these values; one that
+ends with * is the beginning of a value, 240..248 are the numbers between two. What stands in place of the column:
+
+    first column over second column             the ratio of two
+    first column over [plies=8] second column   the second in another row
+    range [m/s]#2                               the second part of a value with solidi, 107.7 / 167.6
+
+`least`, `most`, `mean` or `error` (of the mean) before the file are over several rows, `count` is their number. A
+format that ends with % shows how far a ratio is above 1, in per cent; `s` takes a text. `code PLACE, KEY : FORMAT` is a
+number of the code, one of `CODE`. Rows of a table, under a heading that stays as it is written:
 
     <!-- rows panel-plies[shots=10] | {panel}, {plies} | {V50 [m/s]:.0f} -->
     | panel, plies | V50 [m/s] |
     | --- | ---: |
     | 203 mm, 2 | 206 |
     <!-- / -->
+
+With `by COLUMN; COLUMN` behind the file one row of the table is made of all rows that are alike in these columns, and a
+cell says which of them it means: `{[plies=2] V50 [m/s]:.0f}`.
 """
 
 from __future__ import annotations
 
 import re
 import sys
+import tomllib
+from collections.abc import Callable
+from dataclasses import fields
+from functools import cache
+from math import sqrt
 from pathlib import Path
+from statistics import fmean, stdev
 
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
+from fabrics import catalogue  # noqa: E402
+from shellfabric.membrane.numerics import Numerics  # noqa: E402
 from shellfabric.membrane.quality import CHECKS  # noqa: E402
+from shellfabric.yarns.holding import BISECTIONS, find_factors  # noqa: E402
 from validation.study import DATA, read  # noqa: E402
 
-CODE = {
-    "shellfabric.membrane.quality CHECKS": {name: check.limit for name, check in CHECKS.items()}
+ASSUMED = {
+    place: tomllib.loads((ROOT / place).read_text("utf-8"))
+    for place in ("fabrics/data_sheet.toml", "shellfabric/yarns/assumed.toml")
 }
+BULLETS = (271.9, 309.1, 475.0)  # [m/s] at 15 plies of Kevlar 29
+
+
+def held(velocity: float) -> float:
+    """Compute (V / c)^(2/3) of a strike at yarns of Kevlar 29."""
+    fabric = catalogue.load(
+        ROOT / "validation" / "measured" / "inputs" / "fabrics" / "K29-467.toml"
+    )
+    return (velocity / fmean(yarn.wave_speed for yarn in fabric.weave.yarns)) ** (2 / 3)
+
+
+# numbers by module and name, {key: number}
+CODE = {
+    "shellfabric.membrane.quality CHECKS": {name: check.limit for name, check in CHECKS.items()},
+    "shellfabric.yarns.holding find_factors": {
+        f"{family} {end}": factor
+        for family in BISECTIONS
+        for end, factor in zip(("low", "high"), find_factors(family))
+    },
+    "shellfabric.yarns.holding on Kevlar 29": {
+        f"{velocity} m/s, {family or 'any'} nose, {end}": factor * held(velocity)
+        for velocity in BULLETS
+        for family in (None, *BISECTIONS)
+        for end, factor in zip(("low", "high"), find_factors(family))
+    },
+    "shellfabric.membrane.numerics Numerics": {
+        field.name: field.default for field in fields(Numerics)
+    },
+}
+for place, table_of_numbers in ASSUMED.items():
+    CODE[place], CODE[f"{place} over the value"] = {}, {}
+    for name, numbers in table_of_numbers.items():
+        CODE[place] |= {f"{name}, {key}": number for key, number in numbers.items()}
+        if isinstance(numbers.get("low"), float):
+            CODE[f"{place} over the value"] |= {
+                f"{name}, {end}": numbers[end] / numbers["value"] for end in ("low", "high")
+            }
 VALUE = re.compile(r"(<!-- = (.*?) -->)(.*?)(<!-- / -->)")
 ROWS = re.compile(
-    r"(<!-- rows ([\w/-]+)(?:\[(.*?)\])?((?: \|[^\n]*)) -->\n\|[^\n]*\n\|[^\n]*\n)(.*?)(<!-- / -->)",
+    r"(<!-- rows (?P<file>[\w/-]+)(?:\[(?P<where>.*?)\])?(?: by (?P<by>[^|\n]+?))?(?P<template> \|[^\n]*) -->\n"
+    r"\|[^\n]*\n\|[^\n]*\n)(.*?)(?P<end><!-- / -->)",
     re.DOTALL,
 )
+OVER_ROWS: dict[str, Callable[[list[float]], float]] = {
+    "least": min,
+    "most": max,
+    "mean": fmean,
+    "error": lambda values: stdev(values) / sqrt(len(values)),
+    "count": len,
+}
 CELL = re.compile(
-    r"(?:(?P<end>least|most) )?(?P<file>[\w/-]+)(?:\[(?P<where>.*?)\])? (?P<column>.+?)(?: over (?P<other>.+?))?"
+    rf"(?:(?P<over>{'|'.join(OVER_ROWS)}) )?(?P<file>[\w/-]+)(?:\[(?P<where>.*?)\])?(?: (?P<asked>.+?))?"
     r" : (?P<format>\S+)"
 )
-OF_CODE = re.compile(r"code (?P<name>\S+ \S+) (?P<key>.+?) : (?P<format>\S+)")
+TERM = re.compile(r"(?:\[(?P<where>.*?)\] )?(?P<column>.+)")
+OF_ROW = re.compile(r"\{((?:\[[^{}]*?\] )?[^{}:]+):?([^{}]*)\}")
+OF_CODE = re.compile(r"code (?P<name>[^,]+), (?P<key>.+?) : (?P<format>\S+)")
 
 
 def filled(text: str) -> str:
     """Fill all marks of a page."""
     text = VALUE.sub(lambda mark: mark[1] + value(mark[2]) + mark[4], text)
-    return ROWS.sub(lambda mark: mark[1] + rows(mark[2], mark[3] or "", mark[4]) + mark[6], text)
+    return ROWS.sub(lambda mark: mark[1] + rows(mark) + mark["end"], text)
 
 
 def value(asked: str) -> str:
@@ -63,47 +129,122 @@ def value(asked: str) -> str:
     if found is None:
         raise ValueError(f"no mark is written like this: {asked}")
     chosen = chosen_rows(found["file"], found["where"] or "")
-    numbers = []
-    for row in chosen:
-        try:
-            number = float(row[found["column"]])
-            if found["other"]:
-                number /= float(row[found["other"]])
-        except KeyError as name:
-            raise ValueError(
-                f"{found['file']}.csv has no column {name}, but {', '.join(row)}"
-            ) from None
-        except ValueError:
-            continue
-        numbers.append(number)
-    if not numbers or (len(numbers) > 1 and not found["end"]):
-        raise ValueError(f"{len(numbers)} values in {asked!r}")
-    number = min(numbers)
-    if found["end"] == "most":
-        number = max(numbers)
-    return shown(number, found["format"])
+    if found["over"] == "count":
+        return shown(len(chosen), found["format"])
+    everything = chosen_rows(found["file"], "")
+    texts = [quantity(found["asked"], [row], everything) for row in chosen]
+    if not found["over"]:
+        if len(texts) != 1 or texts[0] == "":
+            raise ValueError(f"{len(texts)} values in {asked!r}")
+        return shown(texts[0], found["format"])
+    numbers = [float(text) for text in texts if text != ""]
+    if not numbers:
+        raise ValueError(f"no values in {asked!r}")
+    return shown(OVER_ROWS[found["over"]](numbers), found["format"])
 
 
-def shown(number: float, way: str) -> str:
-    """Write a number in a format; with % at its end that of a ratio above 1."""
+def quantity(asked: str, own: list[dict[str, str]], others: list[dict[str, str]]) -> str | float:
+    """Return a value, or the ratio of two, empty where one is.
+
+    own : rows that its columns are looked up in
+    others : those of a column behind `over` that says its row
+    """
+    first, over, second = asked.partition(" over ")
+    if not over or asked in own[0]:
+        return entry(asked, own)
+    rows_of_second = own
+    if second.startswith("["):
+        rows_of_second = others
+    parts = entry(first, own), entry(second, rows_of_second)
+    if "" in parts:
+        return ""
+    return float(parts[0]) / float(parts[1])
+
+
+def entry(term: str, among: list[dict[str, str]]) -> str:
+    """Return the value of a column in the one row that is meant.
+
+    Raises
+    ------
+    ValueError : no column of this name, no row or several
+    """
+    found = TERM.fullmatch(term)
+    meant = [row for row in among if fits(row, found["where"] or "")]
+    if len(meant) != 1:
+        raise ValueError(f"{len(meant)} rows with {term!r}")
+    column, _, part = found["column"].partition("#")
+    if column not in meant[0]:
+        raise ValueError(f"no column {column!r}, but {', '.join(meant[0])}")
+    if not part:
+        return meant[0][column]
+    return meant[0][column].split(" / ")[int(part) - 1]
+
+
+def shown(value: str | float, way: str) -> str:
+    """Write a value in a format; with % at its end a ratio by how far it is above 1."""
+    if way in ("", "s") or value == "":
+        return str(value)
     if way.endswith("%"):
-        return f"{100 * (number - 1):{way[:-1]}} %"
-    return f"{number:{way}}"
+        return f"{100 * (float(value) - 1):{way[:-1]}} %"
+    if way == "d":
+        return f"{int(value):d}"
+    return f"{float(value):{way}}"
 
 
-def rows(file: str, where: str, template: str) -> str:
+def rows(mark: re.Match[str]) -> str:
     """Write the rows of a table."""
-    lines = []
-    for row in chosen_rows(file, where):
+    groups: dict[object, list[dict[str, str]]] = {}
+    columns = [name.strip() for name in (mark["by"] or "").split(";") if name.strip()]
+    for number, row in enumerate(chosen_rows(mark["file"], mark["where"] or "")):
+        alike: object = number
+        if columns:
+            alike = tuple(row[name] for name in columns)
+        groups.setdefault(alike, []).append(row)
+    return "".join(row_of_table(mark["template"], group, columns) for group in groups.values())
 
-        def cell(mark, row=row):
-            text = row[mark[1]]
-            if mark[2] and text:
-                return f"{float(text):{mark[2]}}"
-            return text
 
-        lines.append(f"{re.sub(r'{([^{}:]+):?([^{}]*)}', cell, template).strip()} |\n")
-    return "".join(lines)
+def row_of_table(template: str, group: list[dict[str, str]], columns: list[str]) -> str:
+    """Write a row of a table from the rows of a file that are alike in some columns."""
+
+    def cell(mark):
+        own = group
+        if mark[1] in columns:
+            own = group[:1]
+        return shown(quantity(mark[1], own, group), mark[2])
+
+    return f"{OF_ROW.sub(cell, template).strip()} |\n"
+
+
+def fits(row: dict[str, str], where: str) -> bool:
+    """Say whether columns of a row have given values: "a=1; b=begins with this*".
+
+    Raises
+    ------
+    ValueError : no column of this name
+    """
+    for condition in filter(str.strip, where.split(";")):
+        column, _, wanted = (part.strip() for part in condition.partition("="))
+        if column not in row:
+            raise ValueError(f"no column {column!r}, but {', '.join(row)}")
+        if not is_meant(row[column], wanted):
+            return False
+    return True
+
+
+def is_meant(value: str, wanted: str) -> bool:
+    """Say whether a value is the one wanted, begins with it, or lies between two numbers."""
+    if wanted.endswith("*"):
+        return value.startswith(wanted[:-1])
+    low, dots, high = wanted.partition("..")
+    if dots:
+        return float(low) <= float(value or "nan") <= float(high)
+    return value == wanted
+
+
+@cache
+def table(path: Path) -> list[dict[str, str]]:
+    """Read the rows of a file once."""
+    return read(path)[1]
 
 
 def chosen_rows(file: str, where: str) -> list[dict[str, str]]:
@@ -111,10 +252,7 @@ def chosen_rows(file: str, where: str) -> list[dict[str, str]]:
     path = DATA / f"{file}.csv"
     if not path.is_file():
         raise ValueError(f"no file {file}.csv")
-    wanted = dict(
-        (part.strip() for part in one.split("=", 1)) for one in where.split(";") if one.strip()
-    )
-    found = [row for row in read(path)[1] if wanted.items() <= row.items()]
+    found = [row for row in table(path) if fits(row, where)]
     if not found:
         raise ValueError(f"no row of {file}.csv with {where}")
     return found

@@ -2,7 +2,7 @@
 
     python tools/processor_places.py     print each place: file, function, calls
 
-docs/developers/processors.md says of each place what it decides, and why that does no harm;
+tools/processor_places.csv says of each place what it decides, and why that does no harm;
 tests/test_processor_places.py compares the two. What needs no such line is made through `fabrics.base.sums`.
 """
 

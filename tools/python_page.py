@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Callable
 from operator import attrgetter
+from typing import Any
 
 import weavecell
 from weavecell.cli.from_signature import _SECTION, unpack_keywords
@@ -30,8 +32,10 @@ SECTIONS = {
         "v50",
         "compare",
         "reduce_tests",
+        "reduce_shot",
+        "patch",
     ),
-    "Tests of materials": ("coupon", "biaxial"),
+    "Tests of materials": ("coupon", "biaxial", "reduce_compression"),
     "The 3D crossover": (
         "mesh",
         "calibrate",
@@ -49,7 +53,15 @@ SECTIONS = {
 
 
 def page() -> str:
-    """Write the text of the page."""
+    """Write the text of the page.
+
+    Raises
+    ------
+    ValueError : a public function stands in no section
+    """
+    left_out = set(functions()) - set(sum(SECTIONS.values(), ()))
+    if left_out:
+        raise ValueError(f"SECTIONS of tools/python_page.py has no {', '.join(sorted(left_out))}")
     parts = [
         "# Python",
         "Made from signatures and docstrings. [Reference](../../reference.md#python) has what holds for all.",
@@ -75,6 +87,29 @@ def page() -> str:
         + "\n".join(errors)
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def functions() -> dict[str, Callable[..., Any]]:
+    """Return the public functions by name."""
+    public = {name: getattr(weavecell, name) for name in weavecell.__all__}
+    return {name: thing for name, thing in public.items() if inspect.isfunction(thing)}
+
+
+def documented(function: Callable[..., Any]) -> list[str]:
+    """List the parameters that the docstring of a function explains, those of the section "Other
+    Parameters" left out."""
+    section = inspect.getdoc(function).partition("\nParameters\n-")[2]
+    entries = _ENTRY.findall(_SECTION.split(section)[0])
+    return [name for names, _ in entries for name in names.split(", ")]
+
+
+def passing_on() -> list[str]:
+    """List the functions whose docstring has a section of keywords that they pass on."""
+    return [
+        name
+        for name, function in functions().items()
+        if "\nOther Parameters\n" in inspect.getdoc(function)
+    ]
 
 
 def _function(name):

@@ -477,12 +477,22 @@ def _quoted(names):
 
 def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     """Read a TOML file as (text, table); InputError if it is missing, not text or not TOML."""
+    text = read_source(path, what=what)
+    return text, parse_source(text, path)
+
+
+def read_source(path: FilePath, *, what: str) -> str:
+    """Read the text of an input file; InputError if it is missing or not text."""
     try:
-        text = read_text(path)
+        return read_text(path)
     except OSError as problem:
         raise InputError(
             f"the {what} file cannot be read ({problem.strerror})", file=path
         ) from None
+
+
+def parse_source(text: str, path: FilePath) -> dict[str, Any]:
+    """Return the table of the text of a file; InputError if it is not TOML, or empty."""
     try:
         table = parse_toml(text)
     except ValueError as problem:
@@ -492,7 +502,7 @@ def read_toml(path: FilePath, *, what: str) -> tuple[str, dict[str, Any]]:
     for key, value in _texts(table):
         if (control := control_character(value)) is not None:
             raise InputError(f"has the control character {control}", file=path, key=key)
-    return text, table
+    return table
 
 
 def _texts(table):

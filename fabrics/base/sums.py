@@ -6,7 +6,7 @@ decides something by such a number, or iterates from it, can go another way. Her
 of elements and numpy's sum, which adds in one order wherever it runs.
 
 `tools/processor_places.py` finds the calls that are not made through this module;
-docs/developers/processors.md says of each what it decides.
+tools/processor_places.csv says of each what it decides.
 """
 
 from __future__ import annotations

@@ -11,14 +11,14 @@ user.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from fabrics import assumed, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest_name
 from fabrics.base.files import parse_toml
-from fabrics.base.schema import read_toml, validated
+from fabrics.base.schema import parse_source, read_source, validated
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import (
@@ -41,6 +41,8 @@ from fabrics.yarn import CLOSEST_PACKING, Yarn
 __all__ = ["STATUSES", "list_names", "load", "read"]
 
 _FOLDER = Path(__file__).parent
+# fabrics that are not built again while their files stay as they are
+MOST_KEPT = 32
 
 
 @cache
@@ -94,10 +96,19 @@ def read(path: FilePath, text: str | None = None) -> Fabric:
     InputError : as `load`; all values that are wrong, one line each
     """
     path = Path(path)
-    if text is None:
-        content = read_toml(path, what="fabric")[1]
-    else:
-        content = parse_toml(text)
+    if text is not None:
+        return _build(parse_toml(text), path)
+    return _build_once(read_source(path, what="fabric"), path)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _build_once(text, path):
+    """The Fabric of the text of a file; that of the same text is built once."""
+    return _build(parse_source(text, path), path)
+
+
+def _build(content, path):
+    """The Fabric of the table of a file."""
     context = {"source": path.name, "idealised": content.get("idealised") is True}
     file = validated(FabricFile, content, path, context)
     data = file.data()

@@ -31,6 +31,10 @@ def from_weave(
     smaller one of both families' touching angles (eq. 4-32), gamma2 that of their locking angles
     (eqs. 4-33, 4-34, erratum E-08) and at least LEAST_RISE above gamma1.
 
+    Yarns of a group, over which others float, may lie closer to each other and farther from the next
+    group: n of them have n spacings, so that the angles are those of a plain weave of the same yarns.
+    Its moduli are taken over.
+
     Parameters
     ----------
     weave : Weave
@@ -43,10 +47,8 @@ def from_weave(
 
     Raises
     ------
-    InputError : the fabric has no thickness, since neither of its yarns is crimped, or its weave is
-        not plain
+    InputError : the fabric has no thickness, since neither of its yarns is crimped
     """
-    weave.require_plain("the trellis law of a fibre family; give [shear]")
     if not weave.thickness > 0:
         raise InputError(
             "the trellis law cannot be derived: neither yarn is crimped, so that the fabric is flat"

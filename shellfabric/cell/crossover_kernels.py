@@ -15,6 +15,9 @@ compression is one of the resultant, to which it is fitted in 3D; the yarns stor
 so that forces are the gradient of W with any law. The equilibrium form presses at the crossing
 alone, q = 1.
 
+Where a weave has floats, a yarn changes sides over a share f of its way alone (`yarn_kernels.floating`).
+F is then the mean over the crossings: in both forms f times as much at the same height and tension.
+
 Yarns that are straight from crossing to crossing (`yarn_kernels`) press at the crossing alone too:
 both forms then have one F, that of q = 1, and differ in the forces N.
 
@@ -38,6 +41,7 @@ import math
 from shellfabric.cell.yarn_kernels import (
     arc,
     arc_curvature,
+    floating,
     free_height,
     lone_yarn,
     straight_arc,
@@ -45,6 +49,7 @@ from shellfabric.cell.yarn_kernels import (
     straight_free_height,
     strain_energy,
     tension,
+    turning_length,
 )
 from shellfabric.jit.compile import entry, kernel
 
@@ -87,25 +92,34 @@ def share_of_work(crossover):
 
 
 @kernel()
-def length(w, h, crossover):
-    """Compute the length S of a centreline of height h, and dS/dh."""
+def length(w, h, yarn, crossover):
+    """Compute the length S of a yarn whose centreline has the height h, and dS/dh."""
     if crossover.straight:
         return straight_arc(w, h)
-    return arc(w, h)
+    S, dS = arc(w, h)
+    return floating(S, w, yarn.turning), yarn.turning * dS
 
 
 @kernel()
-def slack_height(w, S0, crossover):
+def length_curvature(w, h, yarn, crossover):
+    """Compute d2S/dh2 of the same."""
+    if crossover.straight:
+        return straight_curvature(w, h)
+    return yarn.turning * arc_curvature(w, h)
+
+
+@kernel()
+def slack_height(w, yarn, crossover):
     """Compute the height at which a yarn has its own length S0; 0 if it is stretched flat."""
     if crossover.straight:
-        return straight_free_height(w, S0)
-    return free_height(w, S0)
+        return straight_free_height(w, yarn.S0)
+    return free_height(w, turning_length(yarn.S0, w, yarn.turning))
 
 
 @kernel()
 def contact_force(w, h, yarn, crossover):
     """Compute the contact force of one yarn at height h, its slope dF/dh, and the tension."""
-    S, dS = length(w, h, crossover)
+    S, dS = length(w, h, yarn, crossover)
     T, dT = tension(S, dS, yarn)
     if crossover.straight:
         return T * dS, dT * dS + T * straight_curvature(w, h), T
@@ -113,9 +127,10 @@ def contact_force(w, h, yarn, crossover):
         k = 0.5 * math.pi * h / w
         root = math.sqrt(1.0 + k * k)
         sine = k / root
-        return 2.0 * T * sine, 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3)), T
+        slope = 2.0 * (dT * sine + T * 0.5 * math.pi / (w * root**3))
+        return yarn.turning * (2.0 * T * sine), yarn.turning * slope, T
     q = work_share(crossover.form)
-    return T * dS / q, (dT * dS + T * arc_curvature(w, h)) / q, T
+    return T * dS / q, (dT * dS + T * length_curvature(w, h, yarn, crossover)) / q, T
 
 
 @kernel()
@@ -131,10 +146,8 @@ def carried_force(w, h, F, yarn, crossover):
     force, slope, _ = contact_force(w, h, yarn, crossover)
     if yarn.stiffening == 0.0 or crossover.form == EQUILIBRIUM:
         return force, slope, 0.0
-    S, dS = length(w, h, crossover)
-    curvature = arc_curvature(w, h)
-    if crossover.straight:
-        curvature = straight_curvature(w, h)
+    S, dS = length(w, h, yarn, crossover)
+    curvature = length_curvature(w, h, yarn, crossover)
     factor = stiffness_factor(S, yarn)
     growth = yarn.stiffening / yarn.S0
     at_rest = F / factor
@@ -200,7 +213,7 @@ def compression_at_height(F, w, h, yarn, crossover):
     if yarn.stiffening == 0.0:
         d, slope = compression(F, yarn.a, yarn.b, yarn.shift)
         return d, slope, 0.0
-    S, dS = length(w, h, crossover)
+    S, dS = length(w, h, yarn, crossover)
     factor = stiffness_factor(S, yarn)
     d, slope = compression(F / factor, yarn.a, yarn.b, yarn.shift)
     return d, slope / factor, -slope * F / factor**2 * yarn.stiffening * dS / yarn.S0
@@ -270,8 +283,8 @@ def forces_of_cell(w, crossover, solution):
     warp = crossover.warp
     weft = crossover.weft
     F, h1, h2 = solution
-    S1, dS1 = length(w[0], h1, crossover)
-    S2, dS2 = length(w[1], h2, crossover)
+    S1, dS1 = length(w[0], h1, warp, crossover)
+    S2, dS2 = length(w[1], h2, weft, crossover)
     T1, _ = tension(S1, dS1, warp)
     T2, _ = tension(S2, dS2, weft)
     if crossover.form == VARIATIONAL:
@@ -305,7 +318,7 @@ def cell(stretch1, stretch2, crossover, guess):
     alone1, energy1 = lone_yarn(stretch1, warp)
     alone2, energy2 = lone_yarn(stretch2, weft)
     w = stretch1 * warp.w, stretch2 * weft.w
-    free = slack_height(w[0], warp.S0, crossover), slack_height(w[1], weft.S0, crossover)
+    free = slack_height(w[0], warp, crossover), slack_height(w[1], weft, crossover)
     F = 0.0
     if crossover.coupled:
         F = closing_force(w, free, crossover, guess)

@@ -29,7 +29,7 @@ from shellfabric.cell.crossover_kernels import (
     slack_height,
     work_share,
 )
-from shellfabric.cell.yarn_kernels import elliptic, lone_yarn, tension
+from shellfabric.cell.yarn_kernels import elliptic, floating, lone_yarn, tension
 from shellfabric.jit.compile import entry, kernel
 
 _MAX_STEPS = 12
@@ -45,9 +45,10 @@ def force_at_height(w, h, yarn, crossover):
         return F, slope
     k = 0.5 * math.pi * h / w
     E, K_minus_E = elliptic(k * k)
-    dS = -2.0 * K_minus_E / k
-    T, dT = tension(4.0 * w / math.pi * E, dS, yarn)
-    slope = dT * dS + T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    dS = yarn.turning * (-2.0 * K_minus_E / k)
+    T, dT = tension(floating(4.0 * w / math.pi * E, w, yarn.turning), dS, yarn)
+    curvature = T * math.pi / w * (K_minus_E / (k * k) + E / (1.0 + k * k))
+    slope = dT * dS + yarn.turning * curvature
     q = work_share(crossover.form)
     return T * dS / q, slope / q
 
@@ -95,12 +96,12 @@ def fill(stretches1, stretches2, crossover, out):
     alone2 = np.empty(n2)
     stored2 = np.empty(n2)
     for j in range(n2):
-        free2[j] = slack_height(stretches2[j] * weft.w, weft.S0, crossover)
+        free2[j] = slack_height(stretches2[j] * weft.w, weft, crossover)
         alone2[j], stored2[j] = lone_yarn(stretches2[j], weft)
     parts = may_part(crossover)
     full = filled_height(crossover)
     for i in range(stretches1.size):
-        free1 = slack_height(stretches1[i] * warp.w, warp.S0, crossover)
+        free1 = slack_height(stretches1[i] * warp.w, warp, crossover)
         alone1, stored1 = lone_yarn(stretches1[i], warp)
         last = (-1.0, 0.0, 0.0)
         guess = 1.0

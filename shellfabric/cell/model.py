@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray, refuse
 from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.run_cache import ADDED_LATER
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.weave import arc_length
@@ -60,13 +61,17 @@ class CellModel:
         1 + stiffening e; 0 is the law of `laws` at every strain
     slack : (warp, weft) [-] strain by which the foot of a yarn's tension curve lies off
         (`yarn_kernels`); 0 is the straight line of the fabric's data
+    mean_crossing : whether a weave with crossings of several kinds (3/1 twill, satin) is taken, by the
+        mean over them: up to twice as stiff as resolved yarns (docs/weaves.md), which a caller has to
+        know of
     reach : how far a table goes beyond straight yarns, in units of the strain at their strength;
         above 1 where yarns do not fail, since forces beyond a table follow its last cell and may
         grow without bound
 
     Raises
     ------
-    InputError : unknown model or form, negative gap, or a compressible cell without laws
+    InputError : unknown model or form, negative gap, a weave that the cell does not hold for, or a
+        compressible cell without laws
     """
 
     fabric: Fabric
@@ -78,6 +83,7 @@ class CellModel:
     stiffening: float = 0.0
     slack: tuple[float, float] = (0.0, 0.0)
     reach: float = 1.0
+    mean_crossing: bool = field(default=False, metadata=ADDED_LATER)
 
     def __post_init__(self):
         known = {"cell_model": MODELS, "cell_formulation": FORMS, "centreline": CENTRELINES}
@@ -90,13 +96,24 @@ class CellModel:
             refuse(self, "stiffening", "at least 0")
         if not 1 <= self.reach < np.inf:
             refuse(self, "reach", "at least 1")
-        self.fabric.weave.require_plain("the cell of a crossover and all panels and coupons of it")
+        self._check_weave()
         if not 0 <= self.crossover_gap <= sum(self.h0):
             refuse(self, "crossover_gap", "at least 0 and at most h01 + h02")
         if self.laws is None and self.fabric.laws is None and self.cell_model == "compressible":
             raise InputError(
                 f"fabric {self.fabric.name} has no compression law", allowed="given one"
             )
+
+    def _check_weave(self):
+        """InputError of a weave that the cell does not hold for."""
+        weave = self.fabric.weave
+        weave.require_even("the cell of a crossover")
+        if not self.mean_crossing:
+            weave.require_like_crossings(
+                "pinned yarns and the cell of a crossover; shots with crossovers = yarns take others"
+            )
+        if self.centreline == "straight":
+            weave.require_plain("yarns that are straight from crossing to crossing")
 
     @property
     def used_laws(self) -> tuple[CompressionLaw, ...]:
@@ -127,6 +144,7 @@ class CellModel:
                 S0=weave.S0[m],
                 EA=weave.yarns[m].EA,
                 slack=self.slack[m],
+                turning=weave.pattern.interlacings[m],
                 h0=self.h0[m],
                 a=law.a,
                 b=law.b,
@@ -201,28 +219,33 @@ class CellModel:
         for m, (yarn, crossing) in enumerate(zip(weave.yarns, weave.yarns[::-1])):
             w = weave.w[m]
             S0 = weave.S0[m]
-            lowest = max(self._contact_loss(w, S0), _dense_packing(w, crossing))
+            turning = weave.pattern.interlacings[m]
+            lowest = max(self._contact_loss(w, S0, turning), _dense_packing(w, crossing))
             # 2 % beyond the stretch at which the yarn alone is at its strength, so that the failure
             # test is inside
             furthest = 1.02 * self.reach * yarn.failure_strain + self.slack[m]
             bounds.append((lowest, S0 / (2 * w) * (1 + furthest)))
         return tuple(bounds)
 
-    def _contact_loss(self, w, S0):
+    def _contact_loss(self, w, S0, turning):
         """Stretch below which a yarn's free height fills the cell; 0 where it cannot.
 
         A yarn of the length S0 has the height S0 / 2 when the cell has closed up to nothing, and no
-        greater one.
+        greater one; where it floats, its whole length is in the share `turning` of the crossings' sides.
         """
         full = sum(self.h0) - self.crossover_gap
         if not full > 0:
             return 1.0
-        if full >= S0 / 2:
+        if full >= 0.5 * S0 / turning:
             return 0.0
         straight = S0 / (2 * w)
         if self.centreline == "straight":
             return sqrt((S0 / 2) ** 2 - full**2) / w
-        too_long = lambda stretch: arc_length(stretch * w, full) - S0  # noqa: E731
+
+        def too_long(stretch):
+            straight = (1 - turning) * 2 * stretch * w
+            return turning * arc_length(stretch * w, full) + straight - S0
+
         if too_long(_CLOSED) >= 0:
             return 0.0
         from scipy.optimize import brentq

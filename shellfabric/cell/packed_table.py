@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,29 @@ if TYPE_CHECKING:
 _STEPS = 256  # of the force, in the bound of the tension
 REACH = 0.15  # of the stretch beyond the table; from 0.1 to 0.2 the tangent there is at most 1.01 times the table's
 _PIECE = 2000  # cells that are worked on together, so that what is in between stays in the cache
+
+
+class Packed(NamedTuple):
+    """A table as the kernels read it.
+
+    Parameters
+    ----------
+    ceilings, potential, beyond : what the functions of these names return
+    """
+
+    ceilings: list[tuple[FloatArray, float]]
+    potential: tuple[FloatArray, FloatArray]
+    beyond: tuple[float, ...]
+
+
+def pack(table: CellTable) -> Packed:
+    """Return the table as the kernels read it, computed once: all panels of a table read the same
+    arrays, and no kernel writes to them."""
+    known = table.__dict__
+    if "_packed" not in known:
+        known["_packed"] = Packed(ceilings(table), potential(table), beyond(table))
+    found: Packed = known["_packed"]
+    return found
 
 
 def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:

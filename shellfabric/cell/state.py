@@ -12,6 +12,9 @@ class CellYarn(Row):
     slack = number(
         "-", "strain by which the foot of its tension curve lies off; 0: a straight line"
     )
+    turning = number(
+        "-", "share of its way over which it changes sides; it is straight on the rest"
+    )
     h0 = number("m", "height at rest")
     a = number("m", "law of compression d = a - b (F + shift)^(-1/3) (eq. 4-12); 0: none")
     b = number("m N^(1/3)", "factor in it")

@@ -1,6 +1,7 @@
 """Tables of cells kept from run to run, by the content of the cell and the code that fills them.
 
-What the cell's equations give at the grid is kept, under the cell and the number of stretches, and
+In a process the last few are in memory: shots that differ in velocity, panel or mesh share them.
+Between processes what the cell's equations give at the grid is kept, under the cell and the number of stretches, and
 the coefficients are made anew, so that a kept table is the filled one to the last bit. The files
 lie in the user's cache folder (`WEAVECELL_CACHE_DIR`, or `$XDG_CACHE_HOME/weavecell`, or
 `~/.cache/weavecell`); the least recently used are removed. With WEAVECELL_CACHE_DIR empty nothing
@@ -15,10 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics.base.run_cache import RunCache, key
+from fabrics.base.run_cache import RunCache, inputs_digest, key
 from shellfabric.cell.model import COLUMNS, CellModel, CellTable
 
 MOST_BYTES = 200e6  # of all kept tables; one of 201 x 201 has 2.6 MB
+# tables in memory, of 12 MB each with what the kernels read: the fabrics of a pack and of a comparison
+MOST_IN_MEMORY = 4
+_IN_MEMORY: dict[str, CellTable] = {}
 
 
 def folder() -> Path | None:
@@ -30,6 +34,30 @@ def folder() -> Path | None:
         return None
     root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(root, "weavecell", "tables")
+
+
+def share(model: CellModel, n: int = 201, *, on_disk: bool = False) -> CellTable:
+    """Return the table of a cell with n x n stretches: that in memory, or one that is made.
+
+    Parameters
+    ----------
+    on_disk : whether it is made by `table`
+
+    Raises
+    ------
+    InputError, UnstableError : as CellTable.fill
+    """
+    name = inputs_digest((model, int(n)))
+    found = _IN_MEMORY.pop(name, None)
+    if found is None and on_disk:
+        found = table(model, n)
+    elif found is None:
+        found = model.table(n)
+    # the one used last is at the end
+    _IN_MEMORY[name] = found
+    if len(_IN_MEMORY) > MOST_IN_MEMORY:
+        del _IN_MEMORY[next(iter(_IN_MEMORY))]
+    return found
 
 
 def table(model: CellModel, n: int = 201) -> CellTable:

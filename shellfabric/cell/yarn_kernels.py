@@ -7,6 +7,9 @@ Straight to the next crossing:  S = 2 sqrt(w^2 + h^2)     (Kawabata, Niwa and Ka
 Tension at the strain e = (S - S0) / S0:    EA e          (eq. 4-7)
 With a foot of the width s, the slack:      EA (e - s (1 - exp(-e / s)))
 
+A yarn that floats on is straight there. With the share f of its way over which it changes sides its
+length is f S + (1 - f) 2 w, in the mean over its crossings (`floating`).
+
 The curve with a foot begins without stiffness, as fibres that are not parallel yet, and goes over
 into the straight line EA (e - s).
 """
@@ -75,6 +78,19 @@ def straight_curvature(w, h):
     """Compute d2S/dh2 of the same."""
     side = math.sqrt(w * w + h * h)
     return 2.0 * w * w / side**3
+
+
+@kernel()
+def floating(S, w, turning):
+    """Return the length of a yarn that is of the length S where it changes sides, over the share
+    `turning` of its way, and straight on the rest."""
+    return turning * S + (1.0 - turning) * 2.0 * w
+
+
+@kernel()
+def turning_length(S0, w, turning):
+    """Return the length S of which `floating` makes S0."""
+    return (S0 - (1.0 - turning) * 2.0 * w) / turning
 
 
 @kernel()

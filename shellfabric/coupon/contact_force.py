@@ -48,14 +48,15 @@ def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, fl
     return fibres * modulus * pi * fibre_diameter**4 / 64, modulus * yarn.A_s**2 / (4 * pi)
 
 
-def cosine(w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Compute (S, dS/dh) [m], [-] of a cosine of the height h [m] over the length 2 w [m], as
-    `yarn_kernels.arc`."""
+def centreline(yarn: CellYarn, w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Compute (S, dS/dh) [m], [-] of a yarn of the height h [m] over the length 2 w [m]: a cosine where
+    it changes sides, straight on the rest, as `yarn_kernels.floating`."""
     k = 0.5 * pi * h / w
     E = ellipe(-(k**2))
     K = ellipk(-(k**2))
     slope = np.where(k > 0, 2 * (E - K) / np.where(k > 0, k, 1.0), 0.0)
-    return 4 * w / pi * E, slope
+    straight = (1 - yarn.turning) * 2 * w
+    return yarn.turning * (4 * w / pi * E) + straight, yarn.turning * slope
 
 
 def heights(yarn: CellYarn, bending: float, stretch: FloatArray, force: FloatArray) -> FloatArray:
@@ -72,12 +73,13 @@ def heights(yarn: CellYarn, bending: float, stretch: FloatArray, force: FloatArr
     EA = yarn.EA
     h0 = yarn.h0
     w = w0 * stretch[:, None] * np.ones_like(force)
-    stiffness = bending * pi**4 / (16 * w0**3)
+    # what floats is not bent
+    stiffness = yarn.turning * bending * pi**4 / (16 * w0**3)
     low = np.zeros_like(w)
     high = np.full_like(w, h0 + S0)
     for _ in range(BISECTIONS):  # the force that a yarn carries rises with its height
         h = 0.5 * (low + high)
-        S, slope = cosine(w, h)
+        S, slope = centreline(yarn, w, h)
         above = (
             EA * np.maximum(S / S0 - 1, 0) * slope + stiffness * (h - h0)
             > work_share(VARIATIONAL) * force
@@ -140,7 +142,7 @@ def crossing_tension(table: CellTable, bending: tuple[float, float]) -> FloatArr
     h = np.array(
         [heights(weft, bending[1], x[None], F[None])[0, 0] for x, F in zip(table.stretch2, force)]
     )
-    S, _ = cosine(weft.w * table.stretch2, h)
+    S, _ = centreline(weft, weft.w * table.stretch2, h)
     return weft.EA * np.maximum(S / weft.S0 - 1, 0)
 
 

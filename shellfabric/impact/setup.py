@@ -433,23 +433,26 @@ class ImpactSetup(PanelSetup, CellNumbers):
             self.cell_model,
             self.cell_formulation,
             reach=reach,
+            mean_crossing=self.crossovers is not None,
         )
 
     def table(self, kept: bool = False) -> CellTable:
-        """Fill the cell's table. Set-ups that differ in panel, shot or mesh alone can share it.
+        """Return the cell's table, which set-ups that differ in panel, shot or mesh alone share
+        (`cell.table_cache`).
 
         Parameters
         ----------
         kept : whether to take it from the user's cache folder, and to keep it there
-            (`cell.table_cache`)
 
         Raises
         ------
         InputError : as CellModel, SurfaceCell and CellTable
         """
-        cell = self.cell()
-        if kept and isinstance(cell, CellModel):
-            return table_cache.table(cell, self.table_size)
+        return self._share_table(self.cell(), kept)
+
+    def _share_table(self, cell, on_disk=False):
+        if isinstance(cell, CellModel):
+            return table_cache.share(cell, self.table_size, on_disk=on_disk)
         return cell.table(self.table_size)
 
     def plain_table(self) -> CellTable:
@@ -534,7 +537,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
     def _pack(self, panel):
         """The plies, of which `panel` is the first, with yarns that are all alike."""
         if self.lay_up:
-            others = [self._cell(*of).table(self.table_size) for of in self.materials[1:]]
+            others = [self._share_table(self._cell(*of)) for of in self.materials[1:]]
             panels = [panel, *map(self._make_panel, others)]
             numbers = [self.materials.index((ply.fabric, ply.laws)) for ply in self.lay_up]
             return Pack.laid_up(

@@ -61,8 +61,9 @@ def _constants(panel):
     x0, y0 = panel.origin
     shot = panel.shot
     warp_lines, weft_lines = failure.lines_of(panel)
-    (bound1, bound_step1), (bound2, bound_step2) = packed_table.ceilings(table)
-    coefficients, constant = packed_table.potential(table)
+    packed = packed_table.pack(table)
+    (bound1, bound_step1), (bound2, bound_step2) = packed.ceilings
+    coefficients, constant = packed.potential
     rim = edges.rim(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
     # first zone
@@ -111,7 +112,7 @@ def _constants(panel):
             table.stretch2.size - 2.0,
             table.stretch2.size - 1.0,
         ),
-        table_beyond=packed_table.beyond(table),
+        table_beyond=packed.beyond,
         force_per_slope1=rx / (2 * w1),
         force_per_slope2=ry / (2 * w2),
         variational=table.model.cell_formulation == "variational",

@@ -89,7 +89,7 @@ def _closure(fabric):
             origin += f" file ({source})"
         return PlyGap(gap, gap, gap, origin)
     try:
-        if fabric.areal_density_measured is not None:
+        if fabric.areal_density_measured is not None and fabric.weave.pattern.is_plain:
             gap = compression_gap(fabric.areal_density_measured)
             low = one.low / one.value * gap
             high = one.high / one.value * gap

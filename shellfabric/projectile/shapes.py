@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from math import cos, inf, pi, sin, tan
 from typing import Annotated, Any
 
@@ -65,11 +66,12 @@ class NoseNumbers:
     ] = None
 
 
-def shapes_with(number: str) -> list[str]:
+@cache
+def shapes_with(number: str) -> tuple[str, ...]:
     """List the shapes that have a number of `NoseNumbers`."""
     read = mark(declared(NoseNumbers)[number], ReadBy)
     assert read is not None  # each has
-    return read.models.split()
+    return tuple(read.models.split())
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,7 @@ def crossing_force(zone, i, j):
     if whole and not slack and distance <= 0.0:
         # the yarns have changed sides: of slack ones no more than a loop, of taut ones the order is
         # lost
-        slack = zone.contact_onset[i, j] < zone.gap
+        slack = zone.contact_onset[i, j] < zone.gap[i, j]
         if not slack:
             whole = False
             zone.tangled += zone.crossing_share[i, j]
@@ -192,7 +192,7 @@ def drop(zone, i, j, whole):
 def normal_force(zone, i, j, distance, opening):
     """Compute the normal force [N] with its damping, at a distance [m] that opens at the velocity
     `opening` [m/s]."""
-    onset = min(zone.gap, max(zone.contact_onset[i, j], distance))
+    onset = min(zone.gap[i, j], max(zone.contact_onset[i, j], distance))
     force = 0.0
     energy = 0.0
     damping = 0.0

@@ -47,8 +47,11 @@ def friction_to_hold(panel: Panel, velocity: float) -> tuple[float, float] | Non
 
     Returns
     -------
-    None for a nose wider than in these runs, and for a ply with a backing
+    None for a nose wider than in these runs, for a ply with a backing, and for a weave with floats,
+    which hold a yarn at fewer places than those of the bisections
     """
+    if not panel.weave.pattern.is_plain:
+        return None
     spacing = 2 * min(panel.weave.w)
     if panel.backing is not None or panel.projectile.radius > WIDEST * spacing:
         return None

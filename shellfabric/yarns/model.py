@@ -143,12 +143,14 @@ def aim(
     """Choose the impact point [m] from a crossover, along warp and weft; 0 across a plane of symmetry
     (`mirrors`), which is the middle line of a yarn.
 
-    Anywhere in a cell of the weave, two crossovers each way, by a seed; without one a quarter of a
-    spacing off: neither on a crossover, nor on a yarn, nor in the middle of a gap.
+    Anywhere in a repeat of the weave, two crossovers each way in plain weave, by a seed; without one a
+    quarter of a spacing off: neither on a crossover, nor on a yarn, nor in the middle of a gap.
     """
     share = np.full(2, OFF_CROSSOVER)
     if seed is not None:
-        share = np.random.default_rng(seed).uniform(-1.0, 1.0, 2)
+        warp_yarns, weft_yarns = weave.pattern.matrix.shape
+        half = 0.5 * np.array([weft_yarns, warp_yarns])
+        share = half * np.random.default_rng(seed).uniform(-1.0, 1.0, 2)
     share[np.asarray(mirrors)] = 0.0
     x, y = 2 * share * weave.w
     return float(x), float(y)
@@ -195,7 +197,17 @@ class YarnPanel(Panel):
         refuse_unread(PanelNumbers, self, "yarns", "resolved yarns")
         refuse_unread(NumericsKeys, self.numerics, "yarns", "resolved yarns")
         super().__post_init__()
+        self._check_pattern()
         self._check_zone()
+
+    def _check_pattern(self):
+        """InputError of a plane of symmetry that the weave does not have."""
+        pattern = self.weave.pattern
+        # the plane across the warp is the middle line of a weft yarn
+        for family, mirrored in zip((1, 0), self.mirrors):
+            if mirrored and pattern.find_mirror(family) is None:
+                allowed = f"whole for resolved yarns of {pattern.name}, not its own mirror image"
+                raise InputError(key="symmetry", value=self.symmetry, allowed=allowed)
 
     def _check_zone(self):
         (i0, i1), (j0, j1) = self.rim_rows
@@ -301,14 +313,12 @@ class YarnPanel(Panel):
             float(np.sign(first) * lines[abs(first)])
             for first, lines in zip((i0 + 1, j0 + 1), self.lines())
         )
-        # an aim is counted from the middle crossover, whatever the size of the panel
-        middle = sum(n // 2 for n, mirrored in zip(self.counts, self.mirrors) if not mirrored)
         near = self.nearest_lines
         return YarnPatch(
             self.table.model,
             (rows.size, columns.size),
             origin=(x, y),
-            warp_up=bool(self.fabric.weave.pattern.is_warp_up(i0 + j0 + middle, 0)),
+            first=self._number_yarns(i0 + 1, j0 + 1),
             images=self.images,
             middle=(near[0] - i0 - 1, near[1] - j0 - 1),
             friction=self.resolved.friction,
@@ -321,6 +331,19 @@ class YarnPanel(Panel):
             edge=self.resolved.edge,
             numbers=self,
         )
+
+    def _number_yarns(self, row, column):
+        """(warp, weft) numbers in the repeat of the weave of the yarns that cross at a row and a column
+        of the grid: an aim is counted from the middle crossover, whatever the size of the panel."""
+        found = []
+        numbers = zip((row, column), self.counts, self.mirrors, self.weave.pattern.centre[::-1])
+        for number, count, mirrored, centre in numbers:
+            middle = 0
+            if not mirrored:
+                middle = count // 2
+            found.append(number - middle + centre)
+        weft, warp = found
+        return warp, weft
 
     @property
     def time_step(self) -> float:

@@ -7,9 +7,9 @@ symmetry along its middle yarn have it too, and that yarn has no points. With th
 
     U = k1 <w1 - d>^2 / 2 + k2 <w2 - d>^2 / 2
 
-w1 is where they touch, w2 the closest. The closest point moves at right angles to d, hence does no
-work: a spring between two crossings, which run along both yarns, would make energy
-(docs/theory-panel.md).
+w1 is where they touch, w2 the closest: closer where the crossing yarn floats over both than where it
+passes between them. The closest point moves at right angles to d, hence does no work: a spring between
+two crossings, which run along both yarns, would make energy (docs/theory-panel.md).
 
 A closest point that runs along a loop of a slack yarn carries no force and comes back as a crossing
 does.
@@ -125,7 +125,7 @@ def lateral_force(zone, family, n, distance):
     hard = zone.closest_stiffness[family]
     onset = min(zone.touch_distance[family], max(zone.foot_onset[n], distance))
     near = onset - distance
-    nearest = max(min(onset, zone.closest_distance[family]) - distance, 0.0)
+    nearest = max(min(onset, zone.closest_distance[n]) - distance, 0.0)
     zone.foot_onset[n] = onset
     zone.foot_energy[n] = 0.5 * (soft * near * near + hard * nearest * nearest)
     return soft * near + hard * nearest

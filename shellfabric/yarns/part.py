@@ -52,7 +52,7 @@ class ResolvedYarns(Part):
         """Return what determines the zone, see Part."""
         patch = self.panel.patch
         drawn = patch.crossings, patch.origin, patch.law, patch.beside, patch.amplitudes
-        return self.name, self.panel.resolved, *drawn, patch.images, patch.middle
+        return self.name, self.panel.resolved, *drawn, patch.images, patch.middle, patch.first
 
     def begin(self, state: State, const: Constants, stack: Any) -> None:
         """Know the ply of the zone, see Part."""
@@ -134,7 +134,7 @@ class ResolvedYarns(Part):
         Part."""
         width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
         checks = [
-            quality.indicator("slip at the rim", slip_at_rim(self.zone)),
+            quality.indicator("slip at the rim", slip_at_rim(self.zone, self.panel.patch.rest[0])),
             quality.indicator("cut outside the zone", self.cut_outside()),
         ]
         checks = [replace(found, meaning=f"{found.meaning}; {width}") for found in checks]
@@ -161,11 +161,11 @@ class ResolvedYarns(Part):
         return outside / max(cut_yarns, 1)
 
 
-def slip_at_rim(zone: Zone) -> float:
+def slip_at_rim(zone: Zone, rest: FloatArray) -> float:
     """Find the longest way [crossings] of a whole yarn through a crossing of the rows beside the
-    pinned ones. A cut yarn is drawn out at any width of the zone."""
+    pinned ones, from the indices at `rest`. A cut yarn is drawn out at any width of the zone."""
     row = RIM_ROWS
-    slip = slipped(zone)
+    slip = slipped(zone, rest)
     beside = [slip[-row - 1], slip[:, -row - 1]]
     if zone.mirror_first[1] < 0:
         beside.append(slip[row])

@@ -1,10 +1,13 @@
 """The catalogue's files, whole files, and the file of a response surface."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from fabrics import catalogue
-from fabrics.base.files import replace_whole, write_whole
+from fabrics.base.errors import InputError
+from fabrics.base.files import noting_reads, replace_whole, write_whole
 from fabrics.surface import ResponseSurface
 
 
@@ -51,3 +54,24 @@ def test_response_surface_file_keeps_every_bit(tmp_path):
     assert all(np.array_equal(getattr(back, name), column) for name, column in columns.items())
     assert back.fabric == "S-720"
     assert back.provenance == "a test"
+
+
+def test_a_fabric_is_built_again_only_if_its_file_changes(tmp_path):
+    """Each load reads the file, which is noted for the folder of the results."""
+    text = (Path(catalogue.__file__).parent / "S-720.toml").read_text()
+    own, other = tmp_path / "own.toml", tmp_path / "other.toml"
+    own.write_text(text)
+    other.write_text(text)
+    first = catalogue.load(own)
+    with noting_reads() as reads:
+        assert catalogue.load(own) is first
+    assert own.resolve() in reads
+    assert catalogue.load(other) is not first
+    assert text.count('"0.32 mm"') == 1
+    own.write_text(text.replace('"0.32 mm"', '"0.31 mm"'))
+    changed = catalogue.load(own).micrograph["warp"]
+    assert changed["thickness"] == pytest.approx(0.31e-3)
+    own.write_text(text.replace('"0.32 mm"', '"0.32 kg"'))
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"own\.toml"):
+            catalogue.load(own)

@@ -1,6 +1,7 @@
-"""Patterns of weaves: names, interlacings, sides; one place that knows them; plain alone is computed."""
+"""Patterns of weaves: names, interlacings, sides, kinds of crossings; one place that knows them; who takes which."""
 
 import ast
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +9,17 @@ import pytest
 from typer.testing import CliRunner
 
 import weavecell as wc
-from fabrics import assumed, catalogue, variants
+from fabrics import assumed, catalogue, ply_laws, variants
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import ADDED_LATER, inputs_digest
 from fabrics.pattern import PLAIN, Pattern
 from fabrics.weave import Weave
 from meshing.mesh_plan import Plan
+from shellfabric.cell.model import CellModel
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.yarns.model import YarnZone
 from weavecell.cli.app import program
+from weavecell.studies import choice
 
 ROOT = Path(__file__).parents[2]
 # (i + j) of numbers of elements, not of yarns
@@ -147,20 +152,85 @@ def test_a_plain_weave_keeps_its_digest_and_another_has_its_own(own):
     )
 
 
-def test_every_model_refuses_a_weave_that_is_not_plain(own, tmp_path):
-    path = own("twill 2/2")
-    fabric = catalogue.load(path)
+@pytest.mark.parametrize(
+    "text, alike, mirrors",
+    [
+        ("plain", True, (0, 0)),
+        ("basket 2x2", True, (None, None)),
+        ("twill 2/2", True, (None, None)),
+        ("++--/+--+/--++/-++-", True, (None, None)),
+        ("basket 1x2", False, (0, None)),
+        ("basket 3x3", False, (1, 1)),
+        ("twill 3/1", False, (None, None)),
+        ("crowfoot", False, (None, None)),
+        ("satin 5", False, (None, None)),
+    ],
+)
+def test_kinds_of_crossings_and_middle_lines_that_mirror_a_pattern(text, alike, mirrors):
+    pattern = Pattern.read(text)
+    assert pattern.has_like_crossings == alike
+    assert tuple(map(pattern.find_mirror, (0, 1))) == mirrors
+    assert pattern.centre == tuple(mirror or 0 for mirror in mirrors)
+
+
+def test_changes_beside_a_crossing_are_counted_for_both_families():
+    """A group of one warp yarn and two weft yarns: the warp floats over two, each weft over one."""
+    warp, weft = Pattern.read("basket 1x2").turns
+    assert (warp == 1).all()
+    assert (weft == 2).all()
+    assert sorted(Pattern.read("twill 3/1").turns[0][0]) == [0, 1, 1, 2]
+
+
+def refused(run):
+    with pytest.raises(InputError) as found:
+        run()
+    assert found.value.key == "weave"
+    return str(found.value)
+
+
+def test_models_of_plain_weave_refuse_another(own):
+    fabric = catalogue.load(own("twill 2/2"))
     models = {
-        "cell": lambda: wc.biaxial(path),
-        "pinned panel": lambda: wc.setup(path, "90 m/s").run(),
-        "resolved yarns": lambda: wc.setup(path, "90 m/s", crossovers="yarns").run(),
         "solid yarns": lambda: Plan.of(fabric, size="coarse", shift=False),
+        "from crossing to crossing": lambda: CellModel(fabric, centreline="straight"),
+        "pressure law of packs": lambda: ply_laws.of_packs(fabric),
     }
-    for name, run in models.items():
-        with pytest.raises(InputError) as refused:
-            run()
-        assert "plain for" in str(refused.value), name
-        assert "twill 2/2" in str(refused.value), name
+    for model, run in models.items():
+        text = refused(run)
+        assert "must be plain for" in text
+        assert model in text
+
+
+@pytest.mark.parametrize("weave", ["twill 3/1", "crowfoot", "satin 5", "basket 1x2", "basket 3x3"])
+def test_pinned_yarns_refuse_crossings_of_several_kinds(weave, own):
+    path = own(weave)
+    for run in (
+        lambda: wc.biaxial(path),
+        lambda: wc.setup(path, "90 m/s").panel(),
+        lambda: CellModel(catalogue.load(path)),
+    ):
+        assert "all alike (plain, basket 2x2, twill 2/2) for pinned yarns" in refused(run)
+    assert CellModel(catalogue.load(path), mean_crossing=True).fabric.weave.pattern.name == weave
+
+
+def test_yarns_of_a_family_that_are_not_alike_are_refused(own):
+    fabric = catalogue.load(own("+-+-/-+-+/++--/--++"))
+    assert "equally often" in refused(lambda: CellModel(fabric, mean_crossing=True))
+
+
+def test_the_order_of_two_weaves_is_doubtful_with_pinned_yarns(own):
+    """Of one fabric before and after a change it is not."""
+    basket = catalogue.load(own("basket 2x2"))
+    plain = replace(basket, weave=replace(basket.weave, pattern=PLAIN))
+    line = "which weave stops more is not decided by pinned yarns: crossovers = yarns"
+    for other, zones, doubtful in (
+        (plain, (None, None), True),
+        (plain, (YarnZone(), None), True),
+        (plain, (YarnZone(), YarnZone()), False),
+        (basket, (None, None), False),
+    ):
+        setups = [ImpactSetup(f, 90.0, crossovers=z) for f, z in zip((basket, other), zones)]
+        assert (line in choice.doubt_order(setups)) == doubtful
 
 
 def test_no_other_place_writes_the_parity_of_crossings():
@@ -197,5 +267,5 @@ def test_a_command_refuses_it_in_one_line_and_writes_nothing(command, own, tmp_p
     done = CliRunner().invoke(program(), [command, target, "--out", "made"])
     assert isinstance(done.exception, InputError)
     assert done.exception.exit_code == 2
-    assert "'satin 5': must be plain for" in str(done.exception)
+    assert "weave = 'satin 5': must be" in str(done.exception)
     assert not (tmp_path / "made").exists()

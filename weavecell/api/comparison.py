@@ -125,11 +125,13 @@ class ComparisonPlan(Plan["ComparisonResult"]):
         for panel in self.panels:
             setup = panel.setup
             fired = 0
-            if self.quantity == "v50":
-                setup = replace(v50.grade_mesh(setup), symmetry="whole")
+            drawn = self.quantity == "v50"
+            if drawn:
+                setup = v50.as_fired(setup)
                 fired = self.shots
-            sizes.append(StudySize.estimate(setup, panel.title, fired, 1 + searches))
-        return StudySize.add_up(self.title, sizes)
+            words: dict[str, Any] = {"scene": panel.scene, "drawn": drawn}
+            sizes.append(StudySize.estimate(setup, panel.title, fired, 1 + searches, **words))
+        return StudySize.add_up(self.title, ("A", "B"), sizes)
 
     def run(self, running: Running) -> ComparisonResult:
         """Fire at both, and search the range of their difference over what is assumed."""
@@ -547,8 +549,11 @@ class ComparisonResult(DrawnResult):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What is doubtful of A and of B."""
+        """What is doubtful of A and of B, and of their order."""
+        from weavecell.studies import choice
+
         parts = [f"{x}: {doubt}" for x, one in zip("AB", (self.a, self.b)) for doubt in one.doubts]
+        parts += choice.doubt_order([panel.setup for panel in self.targets])
         return tuple(parts)
 
     @property

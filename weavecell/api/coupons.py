@@ -47,6 +47,7 @@ from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.api.saved import SavedResult
 from weavecell.api.target import resolve_fabric
+from weavecell.api.wording import Wording
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, result_folder, run_folder
@@ -121,12 +122,26 @@ class CouponPlan(Plan["CouponResult | PullOutResult"]):
 
     def forecast(self) -> WorkSize:
         """Count the load steps."""
+        from shellfabric.impact import in_words
+
         scene = self.case.scene
         amounts = {"load step": scene.run.steps}
         if scene.test == "pull_out":
             amounts = {"crossed yarn": scene.pull_out.crossings}
         _table(self.case)
-        return WorkSize(_title(self.case), amounts, tuple(assumed.lines(self.case.fabric)))
+        case = self.case
+        choices = {name: in_words.say(value) for name, value in scene.list_choices().items()}
+        taken = [("compression of the yarns", case.law_name)]
+        if scene.test == "pull_out" and scene.pull_out.crossover_friction is None:
+            friction = assumed.friction_between_yarns(case.fabric).number
+            low, high = friction.span
+            taken.append(("friction between yarns", f"{friction:g}, assumed ({low:g} .. {high:g})"))
+        said = Wording(
+            (("", scene.say_test(case.fabric.name, scene.run.steps)),),
+            tuple(taken),
+            tuple(choices.items()),
+        )
+        return WorkSize(_title(case), amounts, tuple(assumed.lines(case.fabric)), said)
 
     def run(self, running: Running) -> CouponResult | PullOutResult:
         """Compute it, and write it; only then its checkpoint is no longer needed."""
@@ -328,9 +343,12 @@ def _table(case):
     """The table of the cell."""
     from shellfabric.cell.model import CellModel
 
-    return CellModel(case.fabric, case.laws, *build.cell_of(case.scene.fabric)).table(
-        coupon_results.TABLE_SIZE
+    # what a yarn that is drawn out rubs on are all its crossings, in the mean
+    drawn_out = case.scene.test == "pull_out"
+    model = CellModel(
+        case.fabric, case.laws, *build.cell_of(case.scene.fabric), mean_crossing=drawn_out
     )
+    return model.table(coupon_results.TABLE_SIZE)
 
 
 @explain_frozen
@@ -435,12 +453,9 @@ class CouponResult(Result):
 
     def _lead(self):
         facts = self.record.facts
-        tolerance = self.case.scene.run.tolerance
-        return (
-            f"A coupon of {facts['fabric']}, {counted(facts['elements'], 'element')}, in "
-            f"{counted(facts['steps'], 'load step')}, each relaxed to {tolerance:g} of the reaction. "
-            f"{'. '.join(self._list_assumed_laws())}"
-        )
+        elements = f"{counted(facts['elements'], 'element')}, "
+        tested = self.case.scene.say_test(facts["fabric"], facts["steps"], elements)
+        return f"{tested} {'. '.join(self._list_assumed_laws())}"
 
     def table(self) -> DataFrame:
         """Return all load steps, in the units of the report, with residual (out-of-balance force
@@ -650,8 +665,7 @@ class PullOutResult(CouponResult):
         return rows + self._list_assumed_laws()
 
     def _lead(self):
-        facts = self.record.facts
-        return f"One yarn of {facts['fabric']} drawn through {facts['crossings']} held crossovers."
+        return self.case.scene.say_test(self.record.facts["fabric"], 1)
 
     def table(self) -> DataFrame:
         """Return what it came to."""

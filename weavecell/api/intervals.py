@@ -156,8 +156,11 @@ class IntervalPlan(Plan["IntervalResult"]):
         return replace(size, more=self._add_up(more))
 
     def _add_up(self, runs):
-        sizes = [forecast_row(run.setup, self.quantity, 0, self.tolerance) for run in runs]
-        return StudySize.add_up(self.title, sizes)
+        sizes = []
+        for run in runs:
+            panel = replace(self.target, setup=run.setup)
+            sizes.append(forecast_row(panel, self.quantity, 0, self.tolerance))
+        return StudySize.add_up(self.title, [run.name for run in runs], sizes)
 
     def run(self, running: Running) -> IntervalResult:
         """Compute the first runs, and if they do not agree those that tell what decides."""

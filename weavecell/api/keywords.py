@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
 
@@ -179,6 +180,7 @@ def explain_keywords(*kinds: type) -> Callable[[Function], Function]:
     return add
 
 
+@cache
 def tables() -> dict[str, str]:
     """Return {keyword: the table of the input file that holds it, "" of a whole table}, as the
     schema has them."""
@@ -196,6 +198,7 @@ def tables() -> dict[str, str]:
     return found
 
 
+@cache
 def defaults() -> dict[str, Any]:
     """Return {keyword: value} of what files have to give and Python may leave out, which is that of
     the standard shot."""
@@ -338,6 +341,7 @@ def name_as_keyword(group: str, values: Mapping[str, object]) -> Iterator[None]:
         raise problem.changed(key=f"{group}_{key}", value=values[key]) from None
 
 
+@cache
 def fields_of(model: Any, name: str) -> dict[str, Any]:
     """Return {key: field} of the table `name` of an input file."""
     return _fields(model.model_fields[name])

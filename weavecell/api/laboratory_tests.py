@@ -111,7 +111,9 @@ class BesideShotsPlan(Plan["TestsBesideShots"]):
         """Forecast the shots of the tests, and those of the search."""
         panel = self.target
         fired = len(self.strikes)
-        return StudySize.estimate(panel.setup, panel.title, fired, 1, tolerance=self.tolerance)
+        return StudySize.estimate(
+            panel.setup, panel.title, fired, 1, tolerance=self.tolerance, scene=panel.scene
+        )
 
     def run(self, running: Running) -> TestsBesideShots:
         """Search the limit, and fire at the velocities of the tests."""

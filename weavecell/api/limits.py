@@ -130,8 +130,10 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
             searches += ranges.searches(self.over)
         panel = self.pinned
         width = self.tolerance or limits.usual_tolerance(panel.setup.target())
-        size = StudySize.estimate(panel.setup, panel.title, fired, searches, tolerance=width)
-        return size.with_choice(self.target.setup, fired)
+        size = StudySize.estimate(
+            panel.setup, panel.title, fired, searches, tolerance=width, scene=panel.scene
+        )
+        return size.with_choice(self.target.setup, fired, scene=panel.scene)
 
     def run(self, running: Running) -> CriticalVelocityResult:
         """Search the limit, with the yarns that the checks choose, and the range over what is

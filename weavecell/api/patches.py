@@ -11,7 +11,7 @@ The folder of `weavecell patch`
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -29,6 +29,7 @@ from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import SizeOfPatch
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions, resolve_target
+from weavecell.api.wording import Wording
 from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
@@ -61,7 +62,15 @@ class PatchPlan(Plan["PatchResult"]):
 
     def forecast(self) -> SizeOfPatch:
         """Forecast hexahedra and CPU time."""
-        return SizeOfPatch.estimate(self.patch, self.target.shot_title)
+        pinned = Wording.of_setup(self.patch.pinned_setup(), None, velocity=True)
+        yarns = Wording.of_setup(self.patch.yarns_setup(), None, velocity=True)
+        both = Wording.merge(("pinned crossovers", "resolved yarns"), (pinned, yarns))
+        said = replace(
+            both,
+            shots=(("", f"{_describe_patch(self.target, self.patch)}."),),
+            assumptions=(*both.assumptions, ("solid yarns", self.patch.solids_in_words)),
+        )
+        return SizeOfPatch.estimate(self.patch, self.target.shot_title, said)
 
     def run(self, running: Running) -> PatchResult:
         """Strike it in each model."""
@@ -136,6 +145,13 @@ def patch(
     with panel.name_problems():
         chosen = small_patch.SmallPatch(panel.setup, count, struck, size, seconds)
     return PatchPlan(panel, chosen)
+
+
+def _describe_patch(target, patch):
+    """The shot, size of the patch, and where it is struck."""
+    place = {"gap": "in a gap", "crossover": "on a crossover"}[patch.place]
+    count = patch.crossings
+    return f"{target.shot_title}: {count} x {counted(count, 'crossover')}, struck {place}"
 
 
 @explain_frozen
@@ -215,9 +231,7 @@ class PatchResult(DrawnResult):
 
     @property
     def _title(self):
-        place = {"gap": "in a gap", "crossover": "on a crossover"}[self.patch.place]
-        count = self.patch.crossings
-        return f"{self.target.shot_title}: {count} x {counted(count, 'crossover')}, struck {place}"
+        return _describe_patch(self.target, self.patch)
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds} that stands at the top of the module."""

@@ -25,6 +25,7 @@ from fabrics.base.counted import counted, plural
 from fabrics.base.door import in_terminal, option
 from fabrics.base.frozen import explain_frozen
 from weavecell.api.result import Result
+from weavecell.api.wording import NOTHING, Wording
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -72,6 +73,22 @@ class _Size(Result):
     """A forecast, whose table has one row."""
 
     cpu_time: tuple[float, float]
+    said: Wording
+
+    @property
+    def shot(self) -> str:
+        """What is shot at, and by what; the report begins with it."""
+        return self.said.summary()["shot"]
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Lines on what the runs take for granted, as the report has them."""
+        return tuple(": ".join(row) for row in self.said.assumptions)
+
+    @property
+    def settings(self) -> str:
+        """Settings that are chosen, as the report has them, and of what the cells are made."""
+        return self.said.settings
 
     def _columns(self):
         return {name: [value] for name, value in self.summary().items()}
@@ -104,9 +121,7 @@ class RunSize(_Size):
     of_fabrics : lines that name what is assumed of the fabrics
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
     model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
-    shot : what is shot at, and by what, in a sentence; the report begins with it
-    assumptions : lines on what the run takes for granted, as the report has them
-    settings : those that are chosen, as the report has them, and of what the cells are made
+    said : what is shot at, taken for granted and chosen, as the report has it
 
     Examples
     --------
@@ -126,9 +141,7 @@ class RunSize(_Size):
     of_fabrics: tuple[str, ...] = ()
     foreseen: tuple[str, ...] = ()
     model: str = ""
-    shot: str = ""
-    assumptions: tuple[str, ...] = ()
-    settings: str = ""
+    said: Wording = NOTHING
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -143,6 +156,9 @@ class RunSize(_Size):
         notes: tuple[str, ...] = (),
         written: bool = True,
         scene: Scene | None = None,
+        *,
+        velocity: bool = True,
+        drawn: bool = False,
     ) -> RunSize:
         """Estimate the size of a run of a set-up, which is checked as its run does.
 
@@ -150,25 +166,25 @@ class RunSize(_Size):
         ----------
         notes : lines on resolved yarns
         written : whether pictures and files are made of the results
-        scene : of the input file, if there is one, which has the names of what is shot
+        scene, velocity, drawn : of `Wording.of_setup`
 
         Raises
         ------
         InputError : values that do not go together
         """
         from shellfabric.block.coupling import bricks_of
-        from shellfabric.impact import in_words
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
         from shellfabric.yarns.model import crossings_of
-        from weavecell.report import chapters
         from weavecell.studies import choice, model_choice
 
         if setup.instead is not None:
             chosen = choice.choose(setup, setup.strike_velocity, ())
             if chosen.resolved:  # the friction of the yarns decides before the run
                 resolved = choice.with_resolved(setup)
-                return cls.estimate(resolved, title, (*notes, str(chosen)), written, scene)
+                notes = *notes, str(chosen)
+                words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
+                return cls.estimate(resolved, title, notes, written, **words)
             again = cls.estimate(choice.with_resolved(setup), title, (), written)
             setup = choice.with_pinned(setup)
             notes = (*notes, f"if the checks ask for resolved yarns, another {again.cost}")
@@ -196,9 +212,7 @@ class RunSize(_Size):
             tuple(line for fabric in setup.fabrics for line in assumed.lines(fabric)),
             _foresee(setup, pack),
             model_choice.advise(setup, pack),
-            chapters.describe_shot(setup, scene, velocity=True),
-            in_words.say_assumptions(setup),
-            in_words.say_choices(setup),
+            Wording.of_setup(setup, scene, velocity=velocity, drawn=drawn),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -211,9 +225,7 @@ class RunSize(_Size):
             "memory_bytes": self.memory,
             **self._summarise_cpu_time(),
             "assumed": "; ".join(self.assumed),
-            "shot": self.shot,
-            "assumptions": " ".join(self.assumptions),
-            "settings": self.settings,
+            **self.said.summary(),
         }
 
     def __str__(self) -> str:
@@ -232,8 +244,7 @@ class RunSize(_Size):
         # a command has printed the others as it read its file
         if not in_terminal():
             lines += self.of_fabrics
-        lines += [self.shot, *self.assumptions, f"chosen, in SI units: {self.settings}"]
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.said.lines])
 
 
 def _foresee(setup, pack):
@@ -258,7 +269,7 @@ class StudySize(_Size):
     of_range : shots that the range over what is assumed adds, with those of its searches
     resolved : size of the same with resolved yarns, which is added if the checks ask for them; None
         if they cannot
-    foreseen : of RunSize, of its shots
+    foreseen, said : of RunSize, of its shots
     more : size of the runs that follow if the first ones do not agree; None if none do
 
     Examples
@@ -275,6 +286,7 @@ class StudySize(_Size):
     of_range: int = 0
     resolved: StudySize | None = None
     foreseen: tuple[str, ...] = ()
+    said: Wording = NOTHING
     more: StudySize | None = None
 
     @classmethod
@@ -286,6 +298,10 @@ class StudySize(_Size):
         searches: int = 0,
         repeats: int = 0,
         tolerance: float = WIDTH,
+        *,
+        scene: Scene | None = None,
+        velocity: bool = False,
+        drawn: bool = False,
     ) -> StudySize:
         """Estimate the size of shots and searches at a set-up.
 
@@ -295,6 +311,7 @@ class StudySize(_Size):
         Parameters
         ----------
         tolerance : [m/s] of the searches
+        scene, velocity, drawn : of `Wording.of_setup`
 
         Raises
         ------
@@ -305,15 +322,21 @@ class StudySize(_Size):
         of_a_search = shots_of_a_search(setup, tolerance)
         shots += of_a_search * searches
         crossing = 0.5 * float(np.max(setup.opening)) / first_guess(setup.target())
-        of_a_run = RunSize.estimate(setup, title)
+        words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
+        of_a_run = RunSize.estimate(setup, title, **words)
         of_a_shot = crossing / setup.end_time
         low, high = shots * of_a_shot * np.multiply(of_a_run.cpu_time, DURATION)
         of_range = of_a_search * max(searches - 1, 0) + repeats
-        return cls(title, shots, searches, (low, high), of_range, foreseen=of_a_run.foreseen)
+        told: dict[str, Any] = {"foreseen": of_a_run.foreseen, "said": of_a_run.said}
+        return cls(title, shots, searches, (low, high), of_range, **told)
 
-    def with_choice(self, setup: ImpactSetup, shots: int) -> StudySize:
+    def with_choice(self, setup: ImpactSetup, shots: int, **words: Any) -> StudySize:
         """Return the size with that of `shots` and one search with resolved yarns beside it, if the
         set-up leaves the choice to the checks.
+
+        Parameters
+        ----------
+        **words : scene and drawn, as of `estimate`
 
         Raises
         ------
@@ -323,22 +346,32 @@ class StudySize(_Size):
 
         if setup.instead is None:
             return self
-        resolved = choice.with_resolved(setup)
-        return replace(self, resolved=self.estimate(resolved, self.title, shots, 1))
+        resolved = self.estimate(choice.with_resolved(setup), self.title, shots, 1, **words)
+        said = Wording.merge(("pinned yarns", "resolved yarns"), (self.said, resolved.said))
+        return replace(self, resolved=resolved, said=said)
 
     @classmethod
-    def add_up(cls, title: str, sizes: Sequence[StudySize]) -> StudySize:
-        """Add up several sizes."""
+    def add_up(cls, title: str, names: Sequence[str], sizes: Sequence[StudySize]) -> StudySize:
+        """Add up several sizes, each of the set-up of a name."""
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
         shots = sum(size.shots for size in sizes)
         searches = sum(size.searches for size in sizes)
         of_range = sum(size.of_range for size in sizes)
         foreseen = dict.fromkeys(line for size in sizes for line in size.foreseen)
-        return cls(title, shots, searches, (low, high), of_range, foreseen=tuple(foreseen))
+        told: dict[str, Any] = {
+            "foreseen": tuple(foreseen),
+            "said": Wording.merge(names, [size.said for size in sizes]),
+        }
+        return cls(title, shots, searches, (low, high), of_range, **told)
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
-        return {"shots": self.shots, "searches": self.searches, **self._summarise_cpu_time()}
+        return {
+            "shots": self.shots,
+            "searches": self.searches,
+            **self._summarise_cpu_time(),
+            **self.said.summary(),
+        }
 
     def __str__(self) -> str:
         searches = ""
@@ -362,7 +395,7 @@ class StudySize(_Size):
         lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.said.lines])
 
 
 @explain_frozen
@@ -375,6 +408,7 @@ class WorkSize(Result):
     title : of what is computed
     amounts : {what is counted, in the singular: number}
     assumed : lines that name what is assumed
+    said : what is tested, taken for granted and chosen, as the report has it
 
     Examples
     --------
@@ -386,17 +420,20 @@ class WorkSize(Result):
     title: str
     amounts: dict[str, int]
     assumed: tuple[str, ...] = ()
+    said: Wording = NOTHING
 
     def summary(self) -> dict[str, Any]:
-        """Return the amounts."""
-        return {plural(noun): number for noun, number in self.amounts.items()}
+        """Return the amounts, and what is said."""
+        amounts = {plural(noun): number for noun, number in self.amounts.items()}
+        return amounts | self.said.summary()
 
     def _columns(self):
         return {name: [number] for name, number in self.summary().items()}
 
     def __str__(self) -> str:
         amounts = ", ".join(counted(number, noun) for noun, number in self.amounts.items())
-        return "\n".join([f"{self.title}: nothing is run", amounts, *self.assumed])
+        head = f"{self.title}: nothing is run"
+        return "\n".join([head, amounts, *self.assumed, *self.said.lines])
 
 
 @explain_frozen
@@ -410,6 +447,7 @@ class SizeOfPatch(_Size):
     crossings : of each family
     bricks : hexahedra
     cpu_time : (lowest, highest) [s]
+    said : what is struck, taken for granted and chosen in each model
 
     Examples
     --------
@@ -422,9 +460,10 @@ class SizeOfPatch(_Size):
     crossings: int
     bricks: int
     cpu_time: tuple[float, float]
+    said: Wording = NOTHING
 
     @classmethod
-    def estimate(cls, patch: SmallPatch, title: str) -> SizeOfPatch:
+    def estimate(cls, patch: SmallPatch, title: str, said: Wording) -> SizeOfPatch:
         """Estimate what the solid yarns of a patch take."""
         weave = patch.fabric.weave
         along = min(weave.w) / patch.size[0]
@@ -433,7 +472,7 @@ class SizeOfPatch(_Size):
             patch.bricks * patch.duration / crossed * cost * steps
             for cost, steps in zip(OF_A_SOLID, SOLID_STEPS)
         )
-        return cls(title, patch.crossings, patch.bricks, (low, high))
+        return cls(title, patch.crossings, patch.bricks, (low, high), said)
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
@@ -441,11 +480,13 @@ class SizeOfPatch(_Size):
             "crossings": self.crossings,
             "bricks": self.bricks,
             **self._summarise_cpu_time(),
+            **self.said.summary(),
         }
 
     def __str__(self) -> str:
         count = self.crossings
-        return (
-            f"{self.title}: nothing is run\n{count} x {counted(count, 'crossover')} of "
-            f"{counted(self.bricks, 'hexahedron')}; {self.cost}"
-        )
+        lines = [
+            f"{self.title}: nothing is run",
+            f"{count} x {counted(count, 'crossover')} of {counted(self.bricks, 'hexahedron')}; {self.cost}",
+        ]
+        return "\n".join([*lines, *self.said.lines])

@@ -176,7 +176,7 @@ def overlay(*results: Any) -> Figure:
 
     Parameters
     ----------
-    results : shots of `impact` or `load`; or results with strike and residual velocities
+    *results : shots of `impact` or `load`; or results with strike and residual velocities
 
     Raises
     ------

@@ -93,10 +93,11 @@ class V50Plan(Plan["V50Result"]):
         setup = self.target.setup
         searches, repeated = self._count_range(self.over)
         # where the checks choose, pinned yarns come first
-        whole = replace(analysis.grade_mesh(choice.with_pinned(setup)), symmetry="whole")
+        whole = analysis.as_fired(choice.with_pinned(setup))
         fired = self.shots + repeated
-        size = StudySize.estimate(whole, self.target.title, fired, 1 + searches, repeated)
-        return size.with_choice(setup, self.shots)
+        words: dict[str, Any] = {"scene": self.target.scene, "drawn": True}
+        size = StudySize.estimate(whole, self.target.title, fired, 1 + searches, repeated, **words)
+        return size.with_choice(setup, self.shots, **words)
 
     def run(self, running: Running) -> V50Result:
         """Fire at the yarns that the checks choose, and search the range over what is assumed."""
@@ -360,6 +361,13 @@ class V50Result(StudyResult):
     def draws_strengths(self) -> bool:
         """As in `StudyResult`: it is what is studied."""
         return True
+
+    @property
+    def fired(self) -> ImpactSetup:
+        """As in `StudyResult`: the whole panel, on the mesh of a V50."""
+        from weavecell.studies import v50
+
+        return v50.as_fired(super().fired)
 
     @property
     def title(self) -> str:

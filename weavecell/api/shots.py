@@ -45,6 +45,7 @@ from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure, remember_folder, say_before_range
 from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
+from weavecell.api.wording import Wording
 from weavecell.report import installed
 from weavecell.results import finding, keys, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
@@ -138,10 +139,17 @@ class ShotPlan(Plan["ShotResult"]):
     def forecast(self) -> RunSize:
         """Forecast elements, steps, memory and CPU time of one shot, and name what is assumed."""
         panel = self.target
-        scene = None
-        if panel.case is not None:
-            scene = panel.case.scene
-        return RunSize.estimate(panel.setup, panel.shot_title, written=self.written, scene=scene)
+        size = RunSize.estimate(
+            panel.setup, panel.shot_title, written=self.written, scene=panel.scene
+        )
+        choices = dict(size.said.choices)
+        if self.accuracy is not None:
+            quantity, uncertainty = self.accuracy
+            wanted = f"{quantity.replace('_', ' ')} to within {uncertainty:g}"
+            choices["mesh refined for"] = wanted
+        if self.uncertainty:
+            choices["meshes"] = "two, for the error of the first"
+        return replace(size, said=replace(size.said, choices=tuple(choices.items())))
 
     def run(self, running: Running) -> ShotResult:
         """Fire, repeat the shot over what is assumed, and write all of it."""
@@ -220,11 +228,11 @@ def impact(
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
         a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
         its standard error
+    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
+        what is assumed
     out : folder of the results; in Python None writes nothing
     resume : whether to continue an interrupted run from the folder; the state of an unfinished run
         of another version of the code is refused
-    check : run nothing and write nothing: forecast elements, steps, memory and CPU time, and name
-        what is assumed
     **options : beside a fabric, keywords of `setup`
 
     Returns
@@ -586,20 +594,10 @@ class ShotResult(ImpactRecord, Result):
     def _say_in_words(self):
         """What was shot at, what the run took for granted, and the settings that were chosen, as the report
         has them."""
-        from shellfabric.impact import in_words
-        from weavecell.report import chapters
-
         if self.target is None:
             return {}
-        setup = self.target.setup
-        scene = None
-        if self.target.case is not None:
-            scene = self.target.case.scene
-        return {
-            "shot": chapters.describe_shot(setup, scene, velocity=True),
-            "assumptions": " ".join(in_words.say_assumptions(setup, body=self.rigid_check)),
-            "settings": in_words.say_choices(setup),
-        }
+        told: dict[str, Any] = {"velocity": True, "body": self.rigid_check}
+        return Wording.of_setup(self.target.setup, self.target.scene, **told).summary()
 
     def _keys_of_summary(self):
         return keys.table("run", self.kind, *keys.OF_SOME.values(), "failure", "stacking")

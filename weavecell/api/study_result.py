@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+    from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
 
 # the first card of the report holds so many lines
@@ -91,6 +92,13 @@ class StudyResult(DrawnResult):
         return False
 
     @property
+    def fired(self) -> ImpactSetup:
+        """The set-up that its shots model."""
+        from weavecell.studies import inputs
+
+        return inputs.without_end(self.target.setup)
+
+    @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `Result`, of shots at the target."""
         return find_left_out(
@@ -160,7 +168,7 @@ class StudyResult(DrawnResult):
                 outcome += f", {span}"
                 shown.insert(0, span)
         laws = list_assumptions(setup)
-        sections.append(chapters_shot.assumptions(setup, laws, drawn=self.draws_strengths))
+        sections.append(chapters_shot.assumptions(self.fired, laws, drawn=self.draws_strengths))
         outcome = finding.mark(f"{outcome}.", found.doubts)
         if self.checks:
             sections.append(checks.section(self.checks))

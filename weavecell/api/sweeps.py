@@ -52,6 +52,7 @@ from weavecell.api.target import (
     resolve_target,
 )
 from weavecell.api.varied_setup import read_key, vary_setup
+from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
@@ -130,10 +131,10 @@ class SweepPlan(Plan["SweepTable"]):
     def forecast(self) -> StudySize:
         """Forecast shots and CPU time of all rows together."""
         sizes = [
-            forecast_row(panel.setup, self.quantity, self.shots, self.tolerance)
-            for panel in self.panels
+            forecast_row(panel, self.quantity, self.shots, self.tolerance) for panel in self.panels
         ]
-        return StudySize.add_up(self.title, sizes)
+        names = list(map(_say_changes, self.combinations))
+        return StudySize.add_up(self.title, names, sizes)
 
     def run(self, running: Running) -> SweepTable:
         """Compute the rows."""
@@ -178,9 +179,11 @@ class SetupsPlan(Plan["SweepResult"]):
         from weavecell.api.run_size import RunSize
 
         title = counted(len(self.setups), "shot")
-        times = [RunSize.estimate(setup, setup.title).cpu_time for setup in self.setups]
-        low, high = (sum(time[end] for time in times) for end in (0, 1))
-        return StudySize(title, len(self.setups), 0, (low, high))
+        sizes = [RunSize.estimate(setup, setup.title) for setup in self.setups]
+        low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
+        names = [f"shot {number}" for number in range(1, len(sizes) + 1)]
+        said = Wording.merge(names, [size.said for size in sizes])
+        return StudySize(title, len(sizes), 0, (low, high), said=said)
 
     def run(self, running: Running) -> SweepResult:
         """Fire."""
@@ -355,20 +358,21 @@ def _list_setups(target):
     return listed
 
 
-def forecast_row(setup: ImpactSetup, quantity: str, shots: int, width: float | None) -> StudySize:
+def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) -> StudySize:
     """Forecast the size of a row of `studies.sweep`; `shots` of a V50, `width` [m/s] of the bracket
     of a limit or None."""
     from weavecell.studies import pack_limit, v50
     from weavecell.studies.limit import usual_tolerance
 
+    setup = panel.setup
+    words: dict[str, Any] = {"scene": panel.scene}
     if quantity == "shot":
-        return StudySize.estimate(setup, setup.title, 1)
+        return StudySize.estimate(setup, setup.title, 1, velocity=True, **words)
     if quantity == "v50":
-        fired = replace(v50.grade_mesh(setup), symmetry="whole")
-        return StudySize.estimate(fired, setup.title, shots, 1)
+        return StudySize.estimate(v50.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
     beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
     width = width or usual_tolerance(setup.target())
-    return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width)
+    return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width, **words)
 
 
 def _combinations(keys, one_at_a_time):
@@ -408,6 +412,11 @@ def _over(key, values):
     if in_terminal():
         return f'--over "{key}={",".join(map(str, values))}"'
     return f'over={{"{key}": {json.dumps(values, default=str)}}}'
+
+
+def _say_changes(changes):
+    """What a row changes, in words."""
+    return ", ".join(f"{_say_key(key)} {value}" for key, value in changes.items()) or "input file"
 
 
 def _say_key(key):
@@ -500,6 +509,17 @@ class SweepTable(StudyResult):
         """As in `StudyResult`: a V50 draws them."""
         return self.quantity == "v50"
 
+    @property
+    def fired(self) -> ImpactSetup:
+        """As in `StudyResult`, of the first row."""
+        from weavecell.studies import v50
+
+        if self.quantity == "shot":
+            return self.target.setup
+        if self.draws_strengths:
+            return v50.as_fired(super().fired)
+        return super().fired
+
     def summary(self) -> dict[str, Any]:
         """Count the rows of each outcome."""
         return dict(Counter(row["outcome"] for row in self.rows)) | self._what_is_doubtful()
@@ -567,8 +587,7 @@ class SweepTable(StudyResult):
 
     def _changes(self, row):
         """The keys that a row changes, of those that vary, in words."""
-        changed = [f"{_say_key(key)} {row[key]}" for key in self._varied if row[key] is not None]
-        return ", ".join(changed) or "input file"
+        return _say_changes({key: row[key] for key in self._varied if row[key] is not None})
 
     def _abscissa(self):
         """(values, label) of the first key that varies: numbers with their unit, areal densities for numbers of

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, cast
@@ -64,6 +64,13 @@ class Target:
     def title(self) -> str:
         """The fabric, with the number of its plies."""
         return self.setup.title
+
+    @property
+    def scene(self) -> scenes.Scene | None:
+        """Its input file, as it was read; None of a set-up."""
+        if self.case is None:
+            return None
+        return self.case.scene
 
     @property
     def shot_title(self) -> str:
@@ -327,16 +334,18 @@ def build_target(
     own = None
     if fabric is not None:
         own = resolve_fabric(fabric)
+    # snapshots are of files, which name where they are written
+    others: dict[str, Any] = {}
+    if options.get("snapshot_interval") is None:
+        others["snapshot_interval"] = None
     scene, written = keywords.scene(
         None if own is None else own.name, velocity, options, function, reader
     )
     try:
         case = build.build(scene, None, "", own)
-        ply = build.setup(case, None)
+        ply = build.setup(case, None, **others)
     except InputError as problem:
         raise keywords.name_as_keywords(problem) from None
-    if options.get("snapshot_interval") is None:
-        ply = replace(ply, snapshot_interval=None)
     for note in ply.notes:
         warn_user(note)
     return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)

@@ -384,8 +384,12 @@ def cell_of(table: FabricTable) -> tuple[Any, ...]:
     return table.crossover_gap, table.cell_model, table.cell_formulation
 
 
-def setup(case: Case, file: FilePath | None) -> ImpactSetup:
+def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
     """Build the impact's set-up for `shellfabric`. With a file, its notes are logged.
+
+    Parameters
+    ----------
+    **others : fields of the set-up in place of what the scene says
 
     Raises
     ------
@@ -425,9 +429,9 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].number
-        if "symmetry" not in panel.model_fields_set:
-            given["symmetry"] = _modelled_part(panel, given["projectile"])
         fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
+        if "symmetry" not in panel.model_fields_set:
+            given["symmetry"] = _modelled_part(panel, given["projectile"], fabrics)
         zone = _build_yarn_zone(panel, fabrics)
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
@@ -436,7 +440,7 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
             mirrors = SYMMETRIES[given["symmetry"]]
             given["impact_point"] = aim(case.fabric.weave, panel.aim_seed, mirrors)
         _check_positions(scene.history, panel.opening)
-        made = ShortSetup(**given)
+        made = ShortSetup(**given | others)
         made.check_contact_points()
     except InputError as problem:
         raise name_file(problem, file) from None
@@ -445,14 +449,25 @@ def setup(case: Case, file: FilePath | None) -> ImpactSetup:
     return made
 
 
-def _modelled_part(panel, projectile):
+def _modelled_part(panel, projectile, fabrics):
     """The smallest part of a panel that stands for the whole, where none is asked for: a plane of
-    symmetry is one of the shot, of the place that it hits, and of the weave."""
+    symmetry is one of the shot, of the place that it hits, and of the weave; of resolved yarns also of
+    the patterns of all fabrics."""
     from shellfabric.membrane.grid import SYMMETRIES
 
     wanted = SYMMETRIES[panel.symmetry]
+    mirrored = [True, True]
+    if panel.crossovers == "yarns":
+        # the plane across the warp is the middle line of a weft yarn
+        for axis, family in ((0, 1), (1, 0)):
+            lines = [fabric.weave.pattern.find_mirror(family) for fabric in fabrics]
+            mirrored[axis] = None not in lines
     planes = tuple(
-        plane and projectile.mirrored(axis) and offset == 0 and panel.weave_angle == 0
+        plane
+        and mirrored[axis]
+        and projectile.mirrored(axis)
+        and offset == 0
+        and panel.weave_angle == 0
         for axis, (plane, offset) in enumerate(zip(wanted, panel.impact_point or (0.0, 0.0)))
     )
     return next(name for name, has in SYMMETRIES.items() if has == planes)

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, model_validator
 
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
     Table,
     Unread,
     angle,
+    changed,
     flag,
     number,
     one_of,
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 TESTS = ("bias_extension", "picture_frame", "uniaxial", "biaxial", "pull_out")
 # [-] default limit of the out-of-balance force over the reaction (docs/coupons.md)
 TOLERANCE = 1e-3
+# keys of what is tested and written; the law is named by its source
+NO_CHOICES = {"title", "fabric.name", "fabric.file", "fabric.law", "run.outputs"}
 
 
 class BiasTable(Table):
@@ -222,6 +226,35 @@ class CouponScene(Table):
     def test_table(self) -> Any:
         """The table of the test."""
         return getattr(self, self.test)
+
+    def say_test(self, fabric: str, steps: int, elements: str = "") -> str:
+        """Say in a sentence what is tested, and how.
+
+        Parameters
+        ----------
+        steps : of the load
+        elements : how many there are, with a comma behind; "" where that is not known
+        """
+        if self.test == "pull_out":
+            return (
+                f"One yarn of {fabric} drawn through {self.test_table.crossings} held crossovers."
+            )
+        return (
+            f"A coupon of {fabric}, {elements}in {counted(steps, 'load step')}, each relaxed to "
+            f"{self.run.tolerance:g} of the reaction."
+        )
+
+    def list_choices(self) -> dict[str, Any]:
+        """List {key in words: value in SI units} of test, cell and load steps that is no default."""
+        chosen = {}
+        for key in changed(self):
+            if key in NO_CHOICES:
+                continue
+            value: Any = self
+            for part in key.split("."):
+                value = getattr(value, part)
+            chosen[key.replace(".", " ").replace("_", " ")] = value
+        return chosen
 
 
 def list_numbers(scene: CouponScene, fabric: Fabric) -> Iterator[Number]:

@@ -8,7 +8,7 @@ the nose are resolved, at the cost of a second run.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -77,6 +77,8 @@ def choose(
             return Choice(
                 True, f"pinned ones unzip, {one.number} times those under the nose are cut"
             )
+    if not all(fabric.weave.pattern.is_plain for fabric in setup.fabrics):
+        return Choice(True, "the friction that holds pinned ones is known of plain weaves alone")
     panels = with_pinned(setup).plain_panels()
     needed = friction_of_plies(panels, velocity)
     if needed is None:
@@ -106,6 +108,15 @@ def choose_by_limit(setup: ImpactSetup, found: Limit) -> Choice:
     if not chosen.resolved:
         return chosen
     return replace(chosen, why=f"{chosen.why} (limit of pinned yarns {found.velocity:.1f} m/s)")
+
+
+def doubt_order(setups: Sequence[ImpactSetup]) -> list[str]:
+    """Write a line if targets of several weaves are compared with pinned yarns, which do not decide
+    which weave stops more."""
+    weaves = {fabric.weave.pattern.rows for setup in setups for fabric in setup.fabrics}
+    if len(weaves) == 1 or all(setup.crossovers is not None for setup in setups):
+        return []
+    return ["which weave stops more is not decided by pinned yarns: crossovers = yarns"]
 
 
 def _assumed_span(zone):

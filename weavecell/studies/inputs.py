@@ -7,7 +7,7 @@ section 6.3.3).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -107,6 +107,16 @@ def scale_fabric(fabric: Fabric, **factors: float) -> Fabric:
     fabric = variants.scale_laws(fabric, factor["compression_a"], factor["compression_b"])
     fabric = variants.with_failure_length(fabric, factor["failure_length"] * fabric.failure_length)
     return variants.scale_shear(fabric, factor["trellis_stiffness"], factor["trellis_angles"])
+
+
+def without_end(setup: ImpactSetup) -> ImpactSetup:
+    """Return the set-up without the choices that a study of many shots passes over: each shot ends with its
+    outcome, and takes no snapshots."""
+    usual: dict[str, Any] = {one.name: one.default for one in fields(setup)}
+    passed_over = {name: usual[name] for name in ("end_time", "snapshot_interval")}
+    if setup.backing is not None:
+        passed_over["backing"] = replace(setup.backing, after_stop=0.0)
+    return replace(setup, **passed_over)
 
 
 def use_one_thread(setup: ImpactSetup, **others: Any) -> ImpactSetup:

@@ -193,6 +193,18 @@ class SmallPatch:
             "failure": self.shot.yarn_failure,
         }
 
+    @property
+    def solids_in_words(self) -> str:
+        """What the solid yarns take for granted, in a sentence."""
+        failing = "whose fibres fail at their strength"
+        if not self.shot.yarn_failure:
+            failing = "whose fibres do not fail"
+        along, across, through = self.size
+        return (
+            f"Woven yarns of hexahedra, {failing}, in contact with friction {self.friction:g} on each other; "
+            f"{along} along, {across} across and {through} through a quarter of a yarn in one crossing."
+        )
+
     def strike_solids(self, mesh: Any = None) -> Struck:
         """Strike the patch of solid yarns; `mesh` is one of `meshing.patch` that has been made."""
         mesh = mesh or patch.build(self.fabric, (self.crossings,) * 2, size=self.size)

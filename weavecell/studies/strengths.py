@@ -82,7 +82,12 @@ def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
     nearest to the set-up's."""
     spread = _spread(seed, number)
     found = []
-    for point, half, share, reach in zip(setup.impact_point, setup.fabric.weave.w, spread, PLACES):
+    weave = setup.fabric.weave
+    places: tuple[float, float] = PLACES
+    if not weave.pattern.is_plain:
+        warp_yarns, weft_yarns = weave.pattern.matrix.shape
+        places = weft_yarns, warp_yarns
+    for point, half, share, reach in zip(setup.impact_point, weave.w, spread, places):
         spacing = 2 * half
         found.append(float(spacing * (round(point / spacing) + share * reach)))
     return found[0], found[1]

@@ -238,6 +238,11 @@ def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
     return replace(setup, grading=fine.grading, elements_per_crossover=fine.elements_per_crossover)
 
 
+def as_fired(setup: ImpactSetup) -> ImpactSetup:
+    """Return the set-up that the shots of a study model: the whole panel, on its mesh."""
+    return replace(grade_mesh(setup), symmetry="whole")
+
+
 def usual_batch(shots: int) -> int:
     """Return the shots of a round: as many as BATCH, but half of few shots, so that outcomes decide
     velocities at least once, and at least LEAST."""

@@ -97,7 +97,7 @@ def test_steps_that_do_not_converge_are_reported_and_the_cell_is_solved_by_neste
     found = {key: float(array) for key, array in model.solve(1.005, 1.005).items()}
     w = tuple(1.005 * yarn.w for yarn in model.yarns)
     free = tuple(
-        fill_kernels.slack_height(half, yarn.S0, crossover) for half, yarn in zip(w, model.yarns)
+        fill_kernels.slack_height(half, yarn, crossover) for half, yarn in zip(w, model.yarns)
     )
     cell = (w, free, crossover)
     near = fill_kernels.close_cell(*cell, (1.1 * found["F"], found["h1"], found["h2"]))

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from fabrics import catalogue
+from fabrics.base.assumed_number import Assumed
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 
@@ -46,6 +47,24 @@ def test_a_kept_table_is_the_filled_one_and_that_of_no_other_cell(fills):
     ):
         table_cache.table(model, size)
     assert len(fills) == 5
+
+
+def test_tables_in_memory_are_those_of_the_cell_and_the_last_few(fills, monkeypatch):
+    """A number that is assumed is another than the same number given: a report tells them apart."""
+    monkeypatch.setattr(table_cache, "_IN_MEMORY", {})
+    given = replace(MODEL, crossover_gap=1e-6)
+    assumed = replace(MODEL, crossover_gap=Assumed(1e-6))
+    sizes = [21, 21, 23, 21]
+    cells = [MODEL, given, MODEL, assumed]
+    made = [table_cache.share(cell, n) for cell, n in zip(cells, sizes)]
+    assert len(fills) == 4
+    assert [one.model for one in made] == cells
+    assert table_cache.share(replace(given), 21) is made[1]
+    assert_equal(made[1], given.table(21))
+    # a fifth takes the place of the one that was used longest ago, which is the first
+    table_cache.share(replace(MODEL, crossover_gap=2e-6), 21)
+    assert table_cache.share(given, 21) is made[1]
+    assert table_cache.share(MODEL, 21) is not made[0]
 
 
 @pytest.mark.parametrize("content", [b"", b"broken", None])

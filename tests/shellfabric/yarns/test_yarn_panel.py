@@ -192,13 +192,14 @@ def test_slip_beside_the_rim_says_how_wide_the_zone_is(table):
     result = run_impact(SETUP, table=table)
     found = {check.name: check for check in result.checks}["slip at the rim"]
     assert "panel.zone is 8 mm" in found.meaning
-    zone = result.target.plies[0].zone()
-    assert slip_at_rim(zone) == 0.0
+    panel = result.target.plies[0]
+    zone, rest = panel.zone(), panel.patch.rest[0]
+    assert slip_at_rim(zone, rest) == 0.0
     zone.place[2, 5, 0] += 1.5
     zone.place[2, 7, 1] -= 0.8
-    assert slip_at_rim(zone) == pytest.approx(0.75)
+    assert slip_at_rim(zone, rest) == pytest.approx(0.75)
     zone.torn[0, 2] = True  # a cut yarn is drawn out at any width
-    assert slip_at_rim(zone) == pytest.approx(0.4)
+    assert slip_at_rim(zone, rest) == pytest.approx(0.4)
 
 
 def test_a_run_that_loses_its_energy_says_which_part_has_it(table):

@@ -183,6 +183,8 @@ def test_the_report_of_a_v50_study_begins_with_v50_and_what_was_shot_at(results)
     assert re.search(r'<p class="outcome [^>]*>V50 \d+\.\d m/s \(', page)
     assert f"{panel}, struck by a cylinder of 3 g and 5.5 mm." in page
     assert "An up-and-down series of at most" in page
+    # of a quarter each drawn panel would be its own image
+    assert "The whole panel is modelled" in page
 
 
 @pytest.mark.parametrize("quantity, drawn", [("v50", True), ("critical-velocity", False)])
@@ -191,8 +193,9 @@ def test_a_sweep_says_whether_each_yarn_has_a_drawn_strength(quantity, drawn):
     panel = resolve_target("S-720", {}, "v50")
     table = SweepTable(quantity, ("panel.opening",), (), (panel,))
     assert table.draws_strengths == drawn
-    section = chapters_shot.assumptions(panel.setup, (), drawn=table.draws_strengths)
+    section = chapters_shot.assumptions(table.fired, (), drawn=table.draws_strengths)
     assert ("it is the same for all yarns" in str(section)) == (not drawn)
+    assert ("The whole panel is modelled" in str(section)) == drawn
 
 
 def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):

@@ -5,12 +5,14 @@ import pytest
 
 import weavecell as wc
 from shellfabric.impact import in_words
-from tests.scene_text import merged
+from tests.scene_text import merged, toml
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, LEAST, ROOT, SHOT, row, with_value
+from weavecell.api.wording import Wording
 from weavecell.report import chapters
 from weavecell.report.shot import chapters_shot
 from weavecell.scenes import build
 from weavecell.scenes.impact import check
+from weavecell.studies import v50
 
 # what is written and when, and what is said of data in chapters of their own
 ELSEWHERE = {
@@ -34,7 +36,7 @@ def said(table):
         chapters_shot.assumptions(setup, ()).tables[0].rows,
         chapters.law_cards(case),
     )
-    forecast = (report[0], in_words.say_assumptions(setup), in_words.say_choices(setup))
+    forecast = (report[0], in_words.list_assumptions(setup), in_words.list_choices(setup))
     return report, forecast
 
 
@@ -158,3 +160,104 @@ def test_a_forecast_says_what_the_report_says():
     told = size.summary()
     assert told["shot"] in str(size)
     assert told["settings"] in str(size)
+
+
+SMALL = {"opening": "20 mm", "end_time": "10 us", "yarn_failure": True, "numerics": {"cfl": 0.7}}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("study", ["critical_velocity", "v50"])
+def test_the_check_of_a_study_says_what_its_report_says(study):
+    size = getattr(wc, study)("S-720", check=True, **SMALL)
+    setup = wc.setup("S-720", 100.0, **SMALL)
+    drawn = study == "v50"
+    if drawn:
+        setup = v50.as_fired(setup)
+    rows = chapters_shot.assumptions(setup, (), drawn=drawn).tables[0].rows
+    assert list(size.assumptions) == [": ".join(one) for one in rows]
+    for words in (*size.assumptions, "cfl 0.7", "20 mm square and clamped, struck by a cylinder"):
+        assert words in str(size)
+    # a shot of a study ends with its outcome
+    assert "latest end" not in size.settings
+    assert size.summary()["settings"] == size.settings
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_study_says_nothing_of_what_it_passes_over():
+    block = {"modulus": "100 MPa", "after_stop": "2 ms"}
+    kept = {"end_time": "500 us", "snapshot_interval": "20 us"}
+    shot = wc.setup("S-720", "155 m/s", opening="60 mm", backing=block, **kept)
+    one = Wording.of_setup(shot, None, velocity=True)
+    many = Wording.of_setup(shot, None)
+    passed_over = {"latest end", "time between snapshots", "block after stop"}
+    assert passed_over == {*dict(one.choices)} - {*dict(many.choices)}
+    assert "It is followed for 2 ms" in dict(one.assumptions)["block behind"]
+    assert "The run ends when" in dict(many.assumptions)["block behind"]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_check_of_several_set_ups_says_whose_a_choice_is():
+    """What all have is said once; twice and thrice the same plies are named, the third row is not like them."""
+    over = {"panel.plies": [2, 3, 1], "panel.opening": ["20 mm"]}
+    size = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
+    said = dict(size.said.assumptions)
+    two, three, one = (f"panel plies {n}, panel opening 20 mm" for n in (2, 3, 1))
+    assert said[f"between plies ({two}; {three})"] == "No friction."
+    assert "pass far below" in said[f"crossovers ({one})"]
+    assert "pass far below" not in said[f"crossovers ({two}; {three})"]
+    assert said["strain rate"].endswith("do not depend on it.")
+    assert f"\n{three}: 3 plies of S-720, aligned, 20 mm square" in str(size)
+    assert "chosen, in SI units: opening 0.02;" in str(size)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_check_of_a_comparison_names_a_and_b():
+    size = wc.compare("S-720", "S-728", opening="20 mm", check=True)
+    strengths = [words for of, words in size.said.assumptions if of.startswith("failure of yarns")]
+    assert ["318 / 318 N" in strengths[0], "341 / 341 N" in strengths[1]] == [True, True]
+    assert "failure of yarns (B): A yarn fails at its strength, 341" in str(size)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_check_of_a_patch_says_what_each_model_assumes():
+    size = wc.patch("S-720", "60 m/s", yarn_failure=False, crossings=16, check=True)
+    said = dict(size.said.assumptions)
+    assert said["crossovers (pinned crossovers)"].startswith("Warp and weft are pinned")
+    assert said["crossovers (resolved yarns)"].startswith("Yarns are resolved in the whole panel")
+    assert "whose fibres do not fail" in said["solid yarns"]
+    assert "S-720, 60 m/s: 16 x 16 crossovers, struck in a gap." in str(size)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_check_of_a_coupon_says_test_law_and_choices():
+    of_frame = {"shear_angle": "5 deg", "crossovers": 2, "steps": 3, "tolerance": 0.02}
+    size = wc.coupon("S-720", "picture_frame", check=True, **of_frame)
+    words = "A coupon of S-720, in 3 load steps, each relaxed to 0.02 of the reaction."
+    assert size.said.shots == (("", words),)
+    assert "picture frame shear angle 0.0872665; picture frame crossovers 2; run steps 3" in str(
+        size
+    )
+    of_pull = {"crossings": 10, "displacement": "1.2 mm", "crossover_cohesion": "0.5 N"}
+    pulled = wc.coupon("S-726", "pull_out", check=True, **of_pull)
+    assert dict(pulled.said.assumptions)["friction between yarns"] == "0.2, assumed (0.1 .. 0.3)"
+    given = wc.coupon("S-726", "pull_out", check=True, crossover_friction=0.3, **of_pull)
+    assert "friction between yarns" not in dict(given.said.assumptions)
+    assert "pull out crossover friction 0.3" in given.said.settings
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    "more, words",
+    [
+        (
+            {"accuracy": {"quantity": "residual_velocity", "uncertainty": "20 %"}},
+            "mesh refined for residual velocity to within 0.2",
+        ),
+        ({}, "meshes two, for the error of the first"),
+    ],
+    ids=["accuracy", "uncertainty"],
+)
+def test_the_check_of_a_shot_on_several_meshes_says_so(more, words, tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(toml(merged(SHOT, more)))
+    assert words in wc.impact(scene, uncertainty=not more, check=True).settings
