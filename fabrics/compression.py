@@ -11,7 +11,7 @@ and is van Wyk's law (eq. 2-1). a = b = 0 is a yarn that cannot be compressed.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,6 +49,7 @@ class CompressionLaw:
         user gives
     fitted_data : digest of the data of that fabric (`variants.data_digest`); empty if it is not
         known
+    doubts : what is doubtful of the fit, in words; empty if nothing is
 
     Raises
     ------
@@ -66,6 +67,7 @@ class CompressionLaw:
     assumed_range: tuple[tuple[float, float], tuple[float, float]] | None = None
     fabric: str = ""
     fitted_data: str = ""
+    doubts: str = ""
 
     def __post_init__(self):
         not_negative(self, "a", "b")
@@ -245,7 +247,7 @@ class CompressionLaw:
     def to_json(self, path: FilePath, contact: PlyLaw | None = None) -> None:
         """Write the law, its fit and its provenance; and `contact`, the law of plies on each other,
         beside it."""
-        content = {
+        content: dict[str, Any] = {
             "form": self.form,
             "a": f"{self.a!r} m",
             "b": f"{self.b!r} m * N**(1/3)",
@@ -262,6 +264,8 @@ class CompressionLaw:
             and [{"a": f"{a!r} m", "b": f"{b!r} m * N**(1/3)"} for a, b in self.assumed_range],
             "ply_contact": contact and contact.table(),
         }
+        if self.doubts:
+            content["doubts"] = self.doubts
         law_file.write(path, content)
 
     @classmethod
@@ -287,6 +291,7 @@ class CompressionLaw:
                 _read_range(content.get("assumed_range"), path),
                 str(content.get("fabric", "")),
                 str(content.get("fitted_data", "")),
+                str(content.get("doubts", "")),
             )
 
 

@@ -33,7 +33,12 @@ from shellfabric.impact.proposals import PROPOSALS  # noqa: E402
 from shellfabric.membrane import quality  # noqa: E402
 from shellfabric.membrane.indicator import Check  # noqa: E402
 from validation.study import read  # noqa: E402
-from weavecell.studies import biaxial_fit, contact_share, limit_scan  # noqa: E402
+from weavecell.studies import (  # noqa: E402
+    biaxial_fit,
+    contact_share,
+    crossover_checks,
+    limit_scan,
+)
 
 TESTED = 110  # [m/s] at which a ply of S-726 was perforated
 
@@ -285,6 +290,10 @@ CHECKS: tuple[Check, ...] = (
     biaxial_fit.WIDEST,
     biaxial_fit.LIKENESS,
     biaxial_fit.PREDICTION,
+    crossover_checks.DISTORTION,
+    crossover_checks.OVERLAP,
+    crossover_checks.MISSED,
+    crossover_checks.CUT_SHORT,
 )
 
 

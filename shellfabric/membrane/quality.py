@@ -670,7 +670,6 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     as `peaks`."""
     model = table.model
     values = table.values
-    found = []
     if hasattr(model, "surface"):
         sampled = (model.surface.T1, model.surface.T2)
         reached = max(peak / float(np.max(T)) for peak, T in zip(peaks, sampled))
@@ -678,11 +677,25 @@ def of_cell(table: Any, peaks: FloatArray | Sequence[float]) -> tuple[Indicator,
     if model.cell_model != "compressible":
         return ()
     inside = np.logical_and(*(values[T] <= max(peak, 0.0) for peak, T in zip(peaks, _T)))
-    force = float(np.max(values["F"], where=inside, initial=0.0))
+    largest = float(np.max(values["F"], where=inside, initial=0.0))
+    return _of_laws(model, largest, values["F"])
+
+
+def of_forces(model: Any, forces: FloatArray) -> tuple[Indicator, ...]:
+    """Return the Indicators of the compression laws of a CellModel that come to contact forces
+    (n,) [N]."""
+    if model.cell_model != "compressible":
+        return ()
+    return _of_laws(model, float(forces.max()), forces)
+
+
+def _of_laws(model, force, forces):
+    """The indicators of laws: of the largest `force` that is reached, of the least of `forces`."""
+    found = []
     known = [law.F_range[1] for law in model.used_laws if law.F_range is not None]
     if known:
         found.append(indicator("contact force over fitted range", force / min(known)))
-    least = float(values["F"].min(where=values["F"] > 0, initial=np.inf))
+    least = float(forces.min(where=forces > 0, initial=np.inf))
     if least == np.inf:
         least = 0.0
     swelling = max(_swelling(law, least, height) for law, height in zip(model.used_laws, model.h0))

@@ -143,6 +143,7 @@ class Calibration:
                 "F_range_N": self.law.F_range,
                 "a_interval_m": self.law.a_interval,
                 "b_interval_m_N^(1/3)": self.law.b_interval,
+                "doubts": self.law.doubts,
             },
             "chosen": self.chosen,
             "spread_of_the_paths": {

@@ -35,6 +35,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed
 from weavecell.results import display, json_file, out_folder
+from weavecell.results.finding import Finding
 from weavecell.results.named_value import NamedValue
 from weavecell.scenes import curves
 
@@ -200,8 +201,8 @@ class BiaxialFitResult(Result):
 
     @property
     def law(self) -> CompressionLaw:
-        """Of both yarns, ready for `impact`."""
-        return self.fit.law
+        """Of both yarns, ready for `impact`, with what is doubtful of it."""
+        return replace(self.fit.law, doubts="; ".join(self.doubts))
 
     @property
     def fabric(self) -> Fabric:
@@ -269,6 +270,15 @@ class BiaxialFitResult(Result):
             }
         return found
 
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        texts = [f"{name} {constant.text()}" for name, constant in self._list_constants()]
+        return Finding("Fitted to biaxial tests", ", ".join(texts), self.doubts)
+
+    def _what(self):
+        return self.title
+
     def _items(self):
         return self.tests
 
@@ -299,7 +309,8 @@ class BiaxialFitResult(Result):
         first, second = np.unravel_index(int(off.argmax()), off.shape)
         return names[first], names[second], float(self.fit.correlation[first, second])
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         lines = []
         for name, constant in self._list_constants():
             lines.append((name, f"{constant.text()} ({constant.interval()}, 95 %)"))
@@ -316,8 +327,7 @@ class BiaxialFitResult(Result):
             text = f"shots have this cell with surface = {SURFACE!r} in place of the law"
             lines.append(("note", text))
         width = max(13, *(len(name) for name, _ in lines))
-        told = [f"{name:<{width}} {text}" for name, text in lines]
-        return "\n".join((*told, *self._closing_lines()))
+        return [f"{name:<{width}} {text}" for name, text in lines]
 
     def _say_test(self, one):
         """What became of a test."""
@@ -400,9 +410,8 @@ class BiaxialFitResult(Result):
             card = chapters.law_card(self.law, own and own[0], "fitted to biaxial tests")
             sections = (section, checks.section(self.checks))
             seconds = {"fit": self.wall_time}
-            chapters.write(
-                folder, self.title, lead, (self.fabric,), (card,), sections, stamp, seconds
-            )
+            of_page = (lead, (self.fabric,), (card,), sections, stamp, seconds, self.finding)
+            chapters.write(folder, self.title, *of_page)
         # law.json comes last: a folder that has it is complete
         self.law.to_json(folder / "law.json")
 
@@ -439,7 +448,7 @@ class BiaxialFitResult(Result):
             Table.from_frame(self._constants_table(), "Fitted constants"),
             Table.from_frame(self._labelled_columns(), "Tests"),
         )
-        points = tuple(str(self).splitlines()[len(self.constants) :])
+        points = tuple(self.lines()[len(self.constants) :])
         return Section("tests", "Measured and computed", "", tuple(drawn), tables, points)
 
     def _constants_table(self):

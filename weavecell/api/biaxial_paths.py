@@ -32,6 +32,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_surface
 from weavecell.results import json_file, out_folder, progress
+from weavecell.results.finding import Finding
 from weavecell.scenes import build
 from weavecell.studies.energy_map import map_energy
 
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
     from fabrics.base.record import Record
     from shellfabric.cell.model import CellModel
+    from shellfabric.membrane.indicator import Indicator
     from weavecell.studies.biaxial_path import CellPath
     from weavecell.studies.energy_map import EnergyMap
 
@@ -261,6 +263,26 @@ class BiaxialResult(Result):
         return self.model.fabric
 
     @cached_property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks: whether the law is known at the contact forces of the paths, and whether
+        those of the 3D crossover went to their ends."""
+        from shellfabric.membrane import quality
+        from weavecell.studies import crossover_checks
+
+        forces = np.concatenate([path.response["F"] for path in self.paths.values()])
+        found = quality.of_forces(self.model, forces)
+        return (*found, *crossover_checks.of_paths(self.solved.values()))
+
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        ends = [
+            f"strains {text} to {_pair(end['tension'], '.1f')} N ({end['failed']} at its strength)"
+            for text, end in self.ends.items()
+        ]
+        return Finding("Biaxial response", "; ".join(ends), self.doubts)
+
+    @cached_property
     def energy_map(self) -> EnergyMap:
         """Energy over the strains of warp and weft, and where a yarn is past its strength."""
         return map_energy(self.model)
@@ -308,6 +330,9 @@ class BiaxialResult(Result):
             rms.append(sqrt(((cell[name] - history[name]) ** 2).mean()))
         return rms
 
+    def _what(self):
+        return f"{self.fabric.name}, biaxial"
+
     def _columns(self):
         paths = self.paths.values()
         lengths = [len(path.strain) for path in paths]
@@ -327,14 +352,15 @@ class BiaxialResult(Result):
             self._write(Path(out))
 
     def _write(self, folder):
-        from weavecell.report import chapters, page
+        from weavecell.report import chapters, checks, page
         from weavecell.results import provenance
 
         stamp = provenance.stamp("", self.fabric)
         files.write(folder / "biaxial.csv", self.to_csv())
         for text, history in self.solved.items():
             history.write(folder / f"{_stem(text)}.h5")
-        json_file.write(folder / "biaxial.json", self.summary() | {"provenance": stamp})
+        content = self.summary() | checks.summary(self.checks)
+        json_file.write(folder / "biaxial.json", content | {"provenance": stamp})
         if not installed.can_draw():
             return
         section = self._section()
@@ -346,7 +372,9 @@ class BiaxialResult(Result):
         )
         card = chapters.law_card(self.model.used_laws[0], source=self.source)
         seconds = {"all": self.seconds}
-        chapters.write(folder, title, lead, (self.fabric,), (card,), (section,), stamp, seconds)
+        sections = (section, checks.section(self.checks))
+        of_page = (lead, (self.fabric,), (card,), sections, stamp, seconds, self.finding)
+        chapters.write(folder, title, *of_page)
 
     def _section(self):
         from weavecell.report import chapters
@@ -388,7 +416,8 @@ class BiaxialResult(Result):
             rows.append(row)
         return DataFrame(rows)
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         lines = []
         for text, end in self.ends.items():
             strains = _pair(100 * end["strain"], ".2f")
@@ -397,7 +426,7 @@ class BiaxialResult(Result):
                 f"{text:<8}{end['failed']} at its strength at strains {strains} %, tensions {tensions} N, "
                 f"contact {end['contact_force']:.1f} N"
             )
-        return "\n".join(lines + self._list_assumed_laws())
+        return lines + self._list_assumed_laws()
 
 
 def _pair(values, form):

@@ -42,6 +42,7 @@ from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.results import display, json_file, out_folder, progress
+from weavecell.results.finding import Finding
 from weavecell.results.named_value import NamedValue, tabulate
 
 if TYPE_CHECKING:
@@ -171,7 +172,9 @@ class CalibrationPlan(Plan["CalibrationResult"]):
             resumable=bool(running.folder),
             fractions=fractions,
         )
-        return running.save(result)
+        # what is doubtful of the law goes with it
+        shot_at = replace(result.fabric, laws=(result.law, result.law))
+        return running.save(replace(result, fabric=shot_at))
 
     def _note_fractions(self, built, solid):
         """The note on fibre fractions, which is logged; "" without one."""
@@ -451,22 +454,35 @@ class CalibrationResult(Result):
 
     @property
     def law(self) -> CompressionLaw:
-        """The fitted law, of both yarn families."""
-        return self.calibration.law
+        """The fitted law, of both yarn families, with what is doubtful of it."""
+        return replace(self.calibration.law, doubts="; ".join(self.doubts))
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
-        """As in `Result`: how far the law misses its samples."""
+        """As in `Result`: how far the law misses its samples, and those of the mesh."""
         from shellfabric.membrane import quality
 
-        law = self.law
+        law = self.calibration.law
+        of_mesh = self.mesh.checks
         if law.residual_rms is None or not law.a > 0:
-            return ()
-        return (quality.indicator("misfit of the law", law.residual_rms / law.a),)
+            return of_mesh
+        return (quality.indicator("misfit of the law", law.residual_rms / law.a), *of_mesh)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """As in `Result`; a law that no woven yarn has, and a range without one of its ends."""
+        found = [*super().doubts, *["implausible law"] * bool(self._judge_law())]
+        return (*found, *(f"{end} end of the assumed range missing" for end in self.failed))
+
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        a, b, _ = _name_constants(self.law.a, self.law.b)
+        return Finding("Compression law", f"{a.line()}, {b.line()}", self.doubts)
 
     def _judge_law(self):
         """A line about each constant of the law that is not plausible."""
-        numbers = plausible.of_laws((self.law,), self.mesh.fabric, "law")
+        numbers = plausible.of_laws((self.calibration.law,), self.mesh.fabric, "law")
         try:
             return list(plausible.judge(numbers))
         except InputError as problem:
@@ -503,6 +519,9 @@ class CalibrationResult(Result):
         if law.outside_ends():
             numbers["outside"] = "; ".join(law.outside_ends())
         return numbers | self._what_is_assumed()
+
+    def _what(self):
+        return f"{self.mesh.fabric.name}, compression law"
 
     def _columns(self):
         units = {"d1": "m", "d2": "m", "T1": "N", "T2": "N", "F_c": "N", "d_c": "m"}
@@ -591,7 +610,8 @@ class CalibrationResult(Result):
         low, high = self.law.F_range or (np.nan, np.nan)
         return f"over F = {low:.2g} to {high:.3g} N"
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         done = self.calibration
         law = self.law
         lines = []
@@ -620,8 +640,6 @@ class CalibrationResult(Result):
         if done.chosen != "one law":
             used += ", although the alternative fits the paths better"
         lines.append(("impacts use", used))
-        if self.checks_text != "ok":
-            lines.append(("checks", self.checks_text))
         lines += [("note", line) for line in (*self._judge_law(), *law.outside_ends())]
         for end, why in self.failed.items():
             text = f"the {end} end of the assumed solid law has no compression law: {why}"
@@ -632,7 +650,7 @@ class CalibrationResult(Result):
             if path.failed:
                 share = display.text(path["path"][-1], "%", ".1f")
                 lines.append((name, f"ended at {share} of its path: {path.failed}"))
-        return "\n".join(f"{name:<13} {text}" for name, text in lines)
+        return [f"{name:<13} {text}" for name, text in lines]
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
@@ -671,9 +689,10 @@ class CalibrationResult(Result):
         picture = (folder / "crossover.png").read_bytes()
         of_mesh = chapters.mesh(self.mesh.words(), picture)
         sections = (*self.sections(), of_mesh, checks.section(self.checks))
-        chapters.write(folder, title, lead, (fabric,), (card,), sections, stamp, done.seconds)
+        of_page = (lead, (fabric,), (card,), sections, stamp, done.seconds, self.finding)
+        chapters.write(folder, title, *of_page)
         # law.json comes last: a folder that has it is complete
-        done.write(folder)
+        replace(done, law=self.law).write(folder)
 
     def sections(self) -> tuple[Section, ...]:
         """Return the chapters of the report: the fit, the solid if it was fitted, the response of

@@ -37,7 +37,7 @@ from weavecell.api.scatter import V50Result
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import is_input_file, list_assumptions, resolve_target
 from weavecell.report import installed
-from weavecell.results import finding, out_folder
+from weavecell.results import out_folder
 from weavecell.results.finding import Finding
 from weavecell.results.left_out import LeftOut
 
@@ -763,7 +763,7 @@ class ComparisonResult(DrawnResult):
         from weavecell.report.shot import chapters_shot
         from weavecell.results.left_out import lines_of
 
-        picture = pictures.draw_figure("difference", "", self.draw_marked)
+        picture = pictures.draw_figure("difference", "", self.draw)
         tables = [Table.from_frame(self.table())]
         if len(widths := self.widths()):
             caption = "Width over the number of shots, if the difference stays as it is"
@@ -774,24 +774,20 @@ class ComparisonResult(DrawnResult):
         if self.assumed_range is not None:
             sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
         found = Finding(*self.headline, self.doubts)
-        cards = [Card("A against B", self.verdict, (*found.lines, found.value), found.tone)]
+        cards = [Card("A against B", self.verdict, (found.value,))]
         for name, result, density in zip(self.names, (self.a, self.b), self.areal_densities):
             of_one = Finding(name, f"{_value(result):.1f} m/s", result.doubts)
-            lines = (*of_one.lines, f"{1e3 * density:.0f} g/m²", *result.lines()[:1])
-            cards.append(Card(name, of_one.value, lines, of_one.tone))
+            lines = (f"{1e3 * density:.0f} g/m²", *result.lines()[:1])
+            cards.append(Card(name, of_one.value, lines).with_doubts(of_one))
         fabrics = list({f.name: f for panel in self.targets for f in panel.setup.fabrics}.values())
         setup, case = self.a.target.setup, self.a.target.case
         lead = f"A: {chapters.describe_shot(setup, case and case.scene)}"
         setup, case = self.b.target.setup, self.b.target.case
         lead += f" B: {chapters.describe_shot(setup, case and case.scene)}"
         seconds = {"both studies": self.b.wall_time}
-        banner = finding.mark(f"{found.label} {found.value}.", found.doubts)
-        of_page = (lead, fabrics, cards, sections, stamp, seconds, banner, found.tone)
+        banner = f"{found.label} {found.value}."
+        of_page = (lead, fabrics, cards, sections, stamp, seconds, found, banner)
         chapters.write(out, self.title, *of_page)
-
-    def __str__(self) -> str:
-        first, *others = self.lines()
-        return "\n".join((self.mark(first), *others, *self._closing_lines()))
 
 
 def _outcomes(result):

@@ -413,7 +413,11 @@ class CouponResult(Result):
         return table
 
     def lines(self) -> list[str]:
-        """Write what the test came to, as printed."""
+        """Write the lines that are printed, without what is doubtful."""
+        return [f"{self.record.facts['title']}: {self.outcome}", *self.list_found()]
+
+    def list_found(self) -> list[str]:
+        """Write what the test came to, a line each."""
         facts = self.record.facts
         lines = []
         for name, (unit, values) in self._collect_measures().items():
@@ -590,8 +594,8 @@ class CouponResult(Result):
         if self.outcome == "unstable":
             colour = "unstable"
         found = Finding(pictures_coupon.TESTS[facts["test"]], self.outcome, self.doubts, colour)
-        lines = [" ".join(line.split()) for line in self.lines()]
-        card = page.Card(found.label, found.value, (*found.lines, *lines), found.tone)
+        lines = [" ".join(line.split()) for line in self.list_found()]
+        card = page.Card(found.label, found.value, tuple(lines))
         laws = {case.law_name: case.laws}
         cell = chapters.cell(case.fabric, laws, case.scene.fabric.cell_model)
         chapters.write(
@@ -603,13 +607,9 @@ class CouponResult(Result):
             (section, cell, checks.section(self.checks)),
             stamp,
             {"test": facts["wall_time_s"]},
-            self.mark(f"{section.title}: {self.outcome}, {lines[0]}."),
-            found.tone,
+            found,
+            f"{section.title}: {self.outcome}, {lines[0]}.",
         )
-
-    def __str__(self) -> str:
-        first = self.mark(f"{self.record.facts['title']}: {self.outcome}")
-        return "\n".join((first, *self.lines()))
 
 
 class PullOutResult(CouponResult):
@@ -659,8 +659,8 @@ class PullOutResult(CouponResult):
             "work of friction": f"{1e3 * facts['crossover_friction_work_J']:.4g} mJ",
         }
 
-    def lines(self) -> list[str]:
-        """Write what the test came to, as printed."""
+    def list_found(self) -> list[str]:
+        """Write what the test came to, a line each."""
         rows = [f"{name:<44}{text}{self._flag(name)}" for name, text in self._rows().items()]
         return rows + self._list_assumed_laws()
 

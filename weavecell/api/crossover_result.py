@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -76,15 +77,21 @@ class CrossoverResult(Result):
     size: str
     found: dict[str, Any] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks: of a yarn alone, nodes that alternate along it."""
+        """Quality checks: of the mesh, whether the path was gone to its end, and of a yarn alone
+        nodes that alternate along it."""
         from shellfabric.membrane import quality
+        from weavecell.studies import crossover_checks
 
+        found = (
+            *crossover_checks.of_mesh(self.mesh, self.fabric.weave.thickness),
+            *crossover_checks.of_paths([self.record]),
+        )
         if "astray" not in self.record.columns:
-            return ()
+            return found
         height = self.fabric.weave.h0[self.record.facts["yarn"]]
-        return quality.of_yarn(self.record["astray"], 2 * height)
+        return (*found, *quality.of_yarn(self.record["astray"], 2 * height))
 
     def _what(self):
         return f"{self.fabric.name}, {self.case}"
@@ -120,6 +127,7 @@ class CrossoverResult(Result):
             "facts": record.facts,
             "found": self.found,
             **checks.summary(self.checks),
+            **self._what_is_doubtful(),
             "provenance": provenance.stamp("", self.fabric),
         }
         json_file.write(out / "case.json", content)
@@ -127,9 +135,10 @@ class CrossoverResult(Result):
         files.write(out / "pictures" / "curve.svg", curve)
         pictures_crossover.draw_deformed(self.mesh, record, out / "pictures" / "deformed.png")
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         rows = [f"{key:<44}{_text(value)}" for key, value in self.found.items()]
-        return "\n".join(rows + self._list_assumed_laws())
+        return rows + self._list_assumed_laws()
 
 
 def _text(value):

@@ -128,7 +128,8 @@ class DeckResult(Result):
             name: [row[name] for row in rows] for name in rows[0]
         }
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         from weavecell.decks.folder import ROWS, percent
 
         lines = []
@@ -138,4 +139,4 @@ class DeckResult(Result):
         lines.append(f"of the strength; the deck has not been run in {self.code}")
         if self.keys_left_out:
             lines.append(f"left out of the input file: {', '.join(self.keys_left_out)}")
-        return "\n".join(lines)
+        return lines

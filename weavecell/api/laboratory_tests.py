@@ -274,9 +274,9 @@ class TestsResult(DrawnResult):
             "tests.svg": None,
         }
 
-    def __str__(self) -> str:
-        first, *others = self.reduced.lines(self.tests)
-        return "\n".join((self.mark(first), *others))
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
+        return self.reduced.lines(self.tests)
 
 
 @explain_frozen

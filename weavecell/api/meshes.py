@@ -13,6 +13,7 @@ import logging
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
@@ -30,6 +31,7 @@ from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
     from meshing.mesh import YarnMesh
+    from shellfabric.membrane.indicator import Indicator
 
 FORMATS = ("msh", "geo", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
@@ -359,6 +361,13 @@ class MeshResult(Result):
     mesh: Any
     formats: tuple[str, ...] = ("msh", "vtu")
 
+    @cached_property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks: distortion of hexahedra, overlap of yarns."""
+        from weavecell.studies import crossover_checks
+
+        return crossover_checks.of_mesh(self.mesh, self.fabric.weave.thickness)
+
     @property
     def stem(self) -> str:
         """Name of the files without suffix: "crossover" or "patch"."""
@@ -385,6 +394,9 @@ class MeshResult(Result):
     def sections(self) -> str:
         """Shape of the yarns' sections, and how they were fitted."""
         return f"{self.mesh.sections[0].kind}: {self.mesh.section_fit.report}"
+
+    def _what(self):
+        return f"{self.fabric.name}, mesh"
 
     def _columns(self):
         return {name: [value] for name, value in self.summary().items() if plain(value)}
@@ -442,5 +454,6 @@ class MeshResult(Result):
                 self.summary() | {"provenance": provenance.stamp("", self.fabric)},
             )
 
-    def __str__(self) -> str:
-        return "\n".join(f"{key:<24}{value}" for key, value in self.words().items())
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
+        return [f"{key:<24}{value}" for key, value in self.words().items()]

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
+    from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
     from weavecell.studies.small_patch import SmallPatch, Struck
 
@@ -189,6 +190,14 @@ class PatchResult(DrawnResult):
         return (*self.patch.zone.assumed_lines, *list_assumptions(self.target.setup))
 
     @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """Quality checks: the energy balance of the model whose error is largest."""
+        from shellfabric.membrane import quality
+
+        error = max(one.energy_error for one in self.struck)
+        return (quality.indicator("energy error", error),)
+
+    @property
     def until(self) -> float:
         """[s] since the first touch to which the models are compared."""
         from weavecell.studies import small_patch
@@ -213,6 +222,9 @@ class PatchResult(DrawnResult):
             found[f"{one.model}_steps"] = one.steps
             found[f"{one.model}_cpu_time_s"] = one.cpu
         return found
+
+    def _what(self):
+        return self._title
 
     def _columns(self):
         at = np.linspace(0.0, min(one.t[-1] for one in self.struck), ROWS)
@@ -251,7 +263,8 @@ class PatchResult(DrawnResult):
             stamp = provenance.stamp(self.target.text, setup=self.target.setup)
             self._write_files(folder, stamp)
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         times = [t for t in (10e-6, 20e-6, 30e-6, 40e-6, 50e-6) if t < self.until]
         times.append(self.until)
         head = f"{'velocity [m/s] at':<19}" + "".join(f"{1e6 * t:>8.3g} us" for t in times)
@@ -266,8 +279,8 @@ class PatchResult(DrawnResult):
             if isfinite(one.first_failure):
                 at = 1e6 * one.first_failure
                 lines.append(f"{WORDS[one.model]}: the first fibre fails at {at:.3g} us")
-        error = max(one.energy_error for one in self.struck)
-        lines.append(f"energy error at most {error:.2%} of the strike energy")
+        (balance,) = self.checks
+        lines.append(f"energy error at most {balance.value:.2%} of the strike energy")
         lines.append(self.answer)
         laws = self._list_assumed_laws()
-        return "\n".join([*lines, *self.patch.zone.assumed_lines, *laws])
+        return [*lines, *self.patch.zone.assumed_lines, *laws]

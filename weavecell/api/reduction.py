@@ -242,7 +242,8 @@ class CompressionRecords(DrawnResult):
         with out_folder.hold(out, OF_COMPRESSION):
             self._write_files(Path(out), provenance.stamp())
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         lines = [f"compression of {self.record}"]
         for law, cubic in zip(self.free, self.cubic):
             low, high = law.intervals()["exponent"]
@@ -260,7 +261,7 @@ class CompressionRecords(DrawnResult):
             lines.append(
                 f"{'gap':<12}{_spread(gap, 1e3)} mm between plies, of {counted(plies, 'ply')} and one"
             )
-        return "\n".join(lines)
+        return lines
 
 
 def _entry(key, found, factor, unit, source):
@@ -400,7 +401,8 @@ class ShotRecord(DrawnResult):
         with out_folder.hold(out, OF_SHOT):
             self._write_files(Path(out), provenance.stamp())
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         found = self.summary()
         lines = [f"flight of {self.record}"]
         for name, key, unit, factor in (
@@ -417,4 +419,4 @@ class ShotRecord(DrawnResult):
             f"noise {1e6 * self.motion.noise:.3g} um; bandwidth {1e-3 * self.motion.bandwidth:.3g} kHz, "
             f"{self.motion.chosen}"
         )
-        return "\n".join(lines)
+        return lines

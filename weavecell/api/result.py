@@ -18,6 +18,7 @@ from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
 from weavecell.api.user_warnings import warn_user
 from weavecell.results import display, finding, glossary, keys, one_table
+from weavecell.results.finding import Finding
 from weavecell.results.keys import Key
 from weavecell.results.left_out import LeftOut, lines_of
 
@@ -33,7 +34,8 @@ _LONGEST = 200  # characters of a repr
 class Result:
     """What every result offers. A derived class names its table of results/keys.toml, from which
     summary, table and CSV file are read off, and gives `_items`, whose columns these are; or it has
-    `summary` and `_columns` itself.
+    `summary` and `_columns` itself. It writes its own `lines`, whose first is printed with what is
+    doubtful, as every picture that it draws or writes is.
 
     Examples
     --------
@@ -50,10 +52,13 @@ class Result:
     folder: Path | None = None
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Let the method that writes a result remember where."""
+        """Let the method that writes a result remember where, and its pictures say its doubts."""
         super().__init_subclass__(**options)
         if "save" in vars(cls):
-            cls.save = _remember_folder(cls.save)  # type: ignore[attr-defined]
+            cls.save = _remember_folder(_with_doubts(cls.save))  # type: ignore[attr-defined]
+        for name in ("plot", "plot_panel", "plot_mushroom"):
+            if name in vars(cls):
+                setattr(cls, name, _with_doubts(vars(cls)[name]))
 
     @property
     def checks(self) -> tuple[Indicator, ...]:
@@ -75,6 +80,15 @@ class Result:
     def mark(self, line: str) -> str:
         """Return a line about the result with what is doubtful of it."""
         return finding.mark(line, self.doubts)
+
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
+        raise NotImplementedError
+
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        return Finding("Result", self.lines()[0], self.doubts)
 
     @property
     def checks_text(self) -> str:
@@ -163,6 +177,10 @@ class Result:
         """Return the table of `to_dataframe` as CSV, with all digits."""
         return one_table.csv(self.to_dataframe())
 
+    def __str__(self) -> str:
+        first, *others = self.lines()
+        return "\n".join((self.mark(first), *others, *self._closing_lines()))
+
     def __repr__(self) -> str:
         parts = [str(self).partition("\n")[0].rstrip(".")]
         if laws := self._list_assumed_laws():
@@ -244,6 +262,17 @@ def _remember_folder(save):
     return called
 
 
+def _with_doubts(show):
+    """A method that draws pictures of its result, which say what is doubtful of it."""
+
+    @functools.wraps(show)
+    def called(result, *arguments, **options):
+        with finding.showing(result.doubts):
+            return show(result, *arguments, **options)
+
+    return called
+
+
 def remember_folder(result: Result, folder: FilePath) -> None:
     """Note at a result, which is frozen, the folder that holds it."""
     vars(result)["folder"] = Path(folder)
@@ -272,7 +301,6 @@ def save_to(result: Any, out: FilePath | None) -> Any:
 @explain_missing()
 def figure(draw: Callable, *arguments: Any) -> Figure:
     """Return what draw(pyplot, *arguments) returns, in the style of the reports."""
-    from weavecell.report.pictures_figure import plots
+    from weavecell.report.pictures_figure import drawn
 
-    with plots() as pyplot:
-        return draw(pyplot, *arguments)
+    return drawn(draw, *arguments)

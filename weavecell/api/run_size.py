@@ -228,7 +228,8 @@ class RunSize(_Size):
             **self.said.summary(),
         }
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
         block = ""
         if self.bricks:
             block = f" and {counted(self.bricks, 'brick')}"
@@ -244,7 +245,7 @@ class RunSize(_Size):
         # a command has printed the others as it read its file
         if not in_terminal():
             lines += self.of_fabrics
-        return "\n".join([*lines, *self.said.lines])
+        return [*lines, *self.said.lines]
 
 
 def _foresee(setup, pack):
@@ -373,7 +374,8 @@ class StudySize(_Size):
             **self.said.summary(),
         }
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
         searches = ""
         if self.searches:
             searches = f", of which {counted(self.searches, 'search')} of a limit"
@@ -395,7 +397,7 @@ class StudySize(_Size):
         lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
-        return "\n".join([*lines, *self.said.lines])
+        return [*lines, *self.said.lines]
 
 
 @explain_frozen
@@ -430,10 +432,11 @@ class WorkSize(Result):
     def _columns(self):
         return {name: [number] for name, number in self.summary().items()}
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
         amounts = ", ".join(counted(number, noun) for noun, number in self.amounts.items())
         head = f"{self.title}: nothing is run"
-        return "\n".join([head, amounts, *self.assumed, *self.said.lines])
+        return [head, amounts, *self.assumed, *self.said.lines]
 
 
 @explain_frozen
@@ -483,10 +486,11 @@ class SizeOfPatch(_Size):
             **self.said.summary(),
         }
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed."""
         count = self.crossings
         lines = [
             f"{self.title}: nothing is run",
             f"{count} x {counted(count, 'crossover')} of {counted(self.bricks, 'hexahedron')}; {self.cost}",
         ]
-        return "\n".join([*lines, *self.said.lines])
+        return [*lines, *self.said.lines]

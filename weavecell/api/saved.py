@@ -164,10 +164,11 @@ class SavedResult(Result):
             return self.tables[self.main]
         return {key: [value] for key, value in self.summary().items()}
 
-    def __str__(self) -> str:
-        lines = [self.mark(f"{self.folder}, {self.name}")]
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
+        lines = [f"{self.folder}, {self.name}"]
         lines += [f"{key}: {value}" for key, value in self.summary().items() if value is not None]
-        return "\n".join(lines)
+        return lines
 
 
 def overlay(*results: Any) -> Figure:

@@ -815,26 +815,30 @@ class ShotResult(ImpactRecord, Result):
             (*sections, checks.section(self.checks)),
             stamp,
             {"time integration": self.wall_time},
+            chapters_shot.find(self),
             chapters_shot.outcome(self),
-            chapters_shot.find(self).tone,
             (chapters_shot.settings(setup.meshed),),
         )
 
     def headline(self) -> str:
-        """Return title, outcome and residual velocity in one line."""
+        """Return title, outcome and residual velocity in one line, with what is doubtful."""
+        return self.mark(self._headline())
+
+    def _headline(self):
         from weavecell.report.shot import chapters_shot
 
         parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.target is not None:
             parts.append(name_friction(self.target.setup, self.assumed_range))
-        return self.mark("; ".join(filter(None, (*parts, self.chosen))))
+        return "; ".join(filter(None, (*parts, self.chosen)))
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         from weavecell.report import chapters_discretisation
         from weavecell.report.shot import chapters_shot
         from weavecell.results.display import text
 
-        lines = [self.headline()]
+        lines = [self._headline()]
         if self.read_from is not None:
             lines.append(f"read from {self.read_from}")
         if self.pack:
@@ -870,4 +874,4 @@ class ShotResult(ImpactRecord, Result):
             lines.append(
                 f"values jump with the velocity, as yarns fail one by one: {option('uncertainty')} gives means"
             )
-        return "\n".join((*lines, *self._closing_lines()))
+        return lines

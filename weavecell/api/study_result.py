@@ -3,7 +3,6 @@ of them."""
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
 from weavecell.api.target import list_assumptions
 from weavecell.report import installed
-from weavecell.results import finding, out_folder
+from weavecell.results import out_folder
 from weavecell.results.finding import Finding
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
 
 # the first card of the report holds so many lines
 CARD_LINES = 2
-# characters of a line of a title, beside which the legend may stand
-WIDTH_OF_TITLE = 50
 
 
 class DrawnResult(Result):
@@ -42,22 +39,9 @@ class DrawnResult(Result):
         added, a text for CSV; nothing for the picture (.svg or .png)."""
         raise NotImplementedError
 
-    def draw_marked(self, pyplot: Any) -> Figure:
-        """Draw the picture, with what is doubtful of it in its title."""
-        drawn = self.draw(pyplot)
-        if self.doubts:
-            top = drawn.axes[0]
-            # titles stand at the left, in the style of the reports
-            words = [
-                top.get_title(loc="left"),
-                *textwrap.wrap(finding.name(self.doubts), WIDTH_OF_TITLE),
-            ]
-            top.set_title("\n".join(filter(None, words)), loc="left")
-        return drawn
-
     def plot(self) -> Figure:
         """Draw a matplotlib figure."""
-        return figure(self.draw_marked)
+        return figure(self.draw)
 
     def _write_files(self, folder, stamp):
         from weavecell.report import pictures
@@ -72,7 +56,7 @@ class DrawnResult(Result):
             elif content:
                 files.write(folder / name, content)
             elif drawn:
-                files.write(folder / name, pictures.render(self.draw_marked, kind=kind))
+                files.write(folder / name, pictures.render(self.draw, kind=kind))
 
 
 class StudyResult(DrawnResult):
@@ -109,10 +93,6 @@ class StudyResult(DrawnResult):
     def notes(self) -> list[str]:
         """What the set-up notes of itself."""
         return [f"Note: {note}." for note in self.target.setup.notes]
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed, and stand at the top of a page."""
-        raise NotImplementedError
 
     @property
     def headline(self) -> tuple[str, str]:
@@ -155,7 +135,7 @@ class StudyResult(DrawnResult):
         found = self.finding
         label, value = found.label, found.value
         lines = [*self.lines(), *lines_of(self.left_out)]
-        picture = pictures.draw_figure("result", "", self.draw_marked)
+        picture = pictures.draw_figure("result", "", self.draw)
         table = Table.from_frame(self.table())
         sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
         outcome = f"{label} {value}"
@@ -169,7 +149,6 @@ class StudyResult(DrawnResult):
                 shown.insert(0, span)
         laws = list_assumptions(setup)
         sections.append(chapters_shot.assumptions(self.fired, laws, drawn=self.draws_strengths))
-        outcome = finding.mark(f"{outcome}.", found.doubts)
         if self.checks:
             sections.append(checks.section(self.checks))
         seconds = {}
@@ -182,11 +161,7 @@ class StudyResult(DrawnResult):
         # a sweep has a target for each row
         if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
-        card = Card(label, value, (*found.lines, *shown), found.tone)
+        card = Card(label, value, tuple(shown))
         cards = (card, *chapters.law_cards(case))
-        of_page = (lead, setup.fabrics, cards, sections, stamp, seconds, outcome, found.tone)
+        of_page = (lead, setup.fabrics, cards, sections, stamp, seconds, found, f"{outcome}.")
         chapters.write(out, title, *of_page)
-
-    def __str__(self) -> str:
-        first, *others = self.lines()
-        return "\n".join((self.mark(first), *others, *self._closing_lines()))

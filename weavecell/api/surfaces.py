@@ -36,12 +36,14 @@ from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.report import chapters, pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance
+from weavecell.results.finding import Finding
 from weavecell.studies.energy_map import map_energy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fabrics.surface import ResponseSurface
+    from shellfabric.membrane.indicator import Indicator
     from unitcell3d.identify.response_surface import Sampled
     from weavecell.studies.energy_map import EnergyMap
 
@@ -241,6 +243,21 @@ class SurfaceResult(Result):
         """T1, T2, F_c, h1, h2 over (d1, d2), for `surface` of `setup`."""
         return self.sampled.surface
 
+    @property
+    def checks(self) -> tuple[Indicator, ...]:
+        """As in `Result`: what the interpolant misses."""
+        from weavecell.studies import crossover_checks
+
+        return crossover_checks.of_surface(self.surface, self.sampled.errors)
+
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        error = self.sampled.errors["T1"]
+        samples = f"{self.surface.d1.size} × {self.surface.d2.size} samples"
+        missed = f"T1 of left-out lines within {error.largest:.3g} N, {error.rms:.3g} N rms"
+        return Finding("Response surface", f"{samples}, {missed}", self.doubts)
+
     @cached_property
     def energy_map(self) -> EnergyMap | None:
         """Energy over the strains of warp and weft, and where a yarn is past its strength; None of a
@@ -281,6 +298,9 @@ class SurfaceResult(Result):
             **self._what_is_assumed(),
         }
 
+    def _what(self):
+        return f"{self.fabric.name}, response surface"
+
     def _columns(self):
         surface = self.surface
         d1, d2 = np.meshgrid(surface.d1, surface.d2, indexing="ij")
@@ -300,7 +320,7 @@ class SurfaceResult(Result):
     @out_folder.saving(*NAMES)
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder, but runs/."""
-        from weavecell.report import chapters, page
+        from weavecell.report import chapters, checks, page
 
         folder = Path(out)
         stamp = provenance.stamp("", self.fabric)
@@ -315,7 +335,9 @@ class SurfaceResult(Result):
         if friction:
             lead += f" Coulomb friction {friction:g}; the weft is stretched first, then the warp."
         seconds = self.sampled.seconds
-        chapters.write(folder, title, lead, (self.fabric,), (), (section,), stamp, seconds)
+        sections = (section, checks.section(self.checks))
+        of_page = (lead, (self.fabric,), (), sections, stamp, seconds, self.finding)
+        chapters.write(folder, title, *of_page)
 
     def _section(self):
         from pandas import DataFrame
@@ -386,7 +408,8 @@ class SurfaceResult(Result):
             self.sampled.errors,
         )
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         lines = [
             f"{'grid':<10}{self.surface.d1.size} x {self.surface.d2.size}, {self.settings['mesh']} mesh"
         ]
@@ -397,4 +420,4 @@ class SurfaceResult(Result):
             lines.append(
                 f"{name:<10}error on left-out lines {rms:.3g} {unit} rms, {largest:.3g} at most"
             )
-        return "\n".join(lines)
+        return lines

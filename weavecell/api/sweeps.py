@@ -723,15 +723,14 @@ class SweepResult(Result, Sequence):
             "checks": self.checks_text,
         }
 
-    def __str__(self) -> str:
+    def lines(self) -> list[str]:
+        """Write the lines that are printed, without what is doubtful."""
         counts = ", ".join(
             f"{value} {name}"
             for name, value in self.summary().items()
             if name not in ("shots", "checks")
         )
-        return self.mark(
-            f"{counted(len(self.shots), 'shot')}: {counts}; checks: {self.checks_text}"
-        )
+        return [f"{counted(len(self.shots), 'shot')}: {counts}"]
 
     def _columns(self):
         from pandas import DataFrame

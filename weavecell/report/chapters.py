@@ -17,6 +17,8 @@ from fabrics.fabric import Fabric
 from weavecell.report import page, pictures, pictures_surface
 from weavecell.report.derived import density_kind, derive_rows
 from weavecell.report.page import Card, Figure, Report, Section, Table
+from weavecell.results import finding
+from weavecell.results.finding import Finding
 from weavecell.scenes import words
 
 if TYPE_CHECKING:
@@ -259,21 +261,24 @@ def report(
     sections: Iterable[Section],
     stamp: Mapping[str, Any],
     seconds: Mapping[str, float],
+    found: Finding,
     outcome: str = "",
-    tone: str = "plain",
     more: tuple[Table, ...] = (),
 ) -> Report:
-    """Build the page of any result: the first card, those of its fabrics, the others; sources and
-    the making at the end.
+    """Build the page of any result: what it found as its banner and on its first card, those of its
+    fabrics, the others; sources and the making at the end.
 
     Parameters
     ----------
     stamp : of `results.provenance.stamp`
     seconds : {stage: wall time [s]}
-    outcome, tone : of the Report
+    found : colours banner and first card, and names the doubts there
+    outcome : the banner in place of label and value of `found`, without doubts
     more : tables of the making
     """
-    cards = (*cards[:1], *map(fabric_card, fabrics), *cards[1:])
+    first, *others = cards or (Card(found.label, found.value),)
+    cards = (first.with_doubts(found), *map(fabric_card, fabrics), *others)
+    banner = finding.mark(outcome or f"{found.label}: {found.value}.", found.doubts)
     sections = (*sections, sources(*fabrics), making(stamp, seconds, more))
     return Report(
         title,
@@ -281,8 +286,8 @@ def report(
         (cards,),
         sections,
         f"weavecell {stamp['weavecell']}, {stamp['date']}",
-        outcome,
-        tone,
+        banner,
+        found.tone,
     )
 
 

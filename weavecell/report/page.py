@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -22,6 +22,8 @@ from weavecell.results import glossary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+    from weavecell.results.finding import Finding
 
 _MIME = {"svg": "image/svg+xml", "png": "image/png", "gif": "image/gif"}
 
@@ -36,6 +38,10 @@ class Card:
     tone: str = (
         "plain"  # "stopped", "perforated", "unstable", "doubtful" colour the card; "plain" does not
     )
+
+    def with_doubts(self, found: Finding) -> Card:
+        """Return the card of what was found, in its colour, with what is doubtful of it first."""
+        return replace(self, lines=(*found.lines, *self.lines), tone=found.tone)
 
 
 @dataclass(frozen=True)

@@ -96,13 +96,13 @@ def render(draw: Callable, *arguments: Any, kind: str = "svg") -> bytes:
     The canvas is asked for it directly: `savefig` draws a figure that has a layout engine twice.
     """
     # modules that only write words of a run load no plotter
-    from weavecell.report.pictures_figure import plots
+    from weavecell.report.pictures_figure import complete, plots
 
-    with plots() as pyplot:
+    with plots():
         from matplotlib import rcParams
         from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-        figure = draw(pyplot, *arguments)
+        figure = complete(draw, *arguments)
         content = io.BytesIO()
         figure.set_dpi(rcParams["savefig.dpi"])
         if kind == "svg":

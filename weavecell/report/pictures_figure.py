@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -14,9 +15,24 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from weavecell.report.pictures_style import FAINT, INK
+from weavecell.report.pictures_style import DOUBT, FAINT, INK
+from weavecell.results import finding
 
-__all__ = ["Normalize", "StyledFigure", "cm", "figure", "plots", "subplots"]
+__all__ = [
+    "Normalize",
+    "StyledFigure",
+    "cm",
+    "complete",
+    "drawn",
+    "figure",
+    "plots",
+    "say_doubts",
+    "subplots",
+]
+
+# inch: of a line that names doubts, and of a letter in it
+LINE = 0.24
+LETTER = 0.1
 
 _SETTINGS = {
     # the first measures all texts. A page holds texts, no outlines: where the first is missing, a
@@ -60,6 +76,44 @@ def plots() -> Iterator[Any]:
     does."""
     with rc_context(_SETTINGS):
         yield sys.modules[__name__]
+
+
+def complete(draw: Callable, *arguments: Any) -> Figure:
+    """Draw with `draw(pyplot, ...)`, and say in the picture what is doubtful of the result that is
+    shown; inside `plots`."""
+    made: Figure = draw(sys.modules[__name__], *arguments)
+    say_doubts(made)
+    return made
+
+
+def drawn(draw: Callable, *arguments: Any) -> Figure:
+    """Draw as `complete` does, in the project's look."""
+    with plots():
+        return complete(draw, *arguments)
+
+
+def say_doubts(made: Figure) -> None:
+    """Write above a figure what is doubtful of the result that is shown; nothing where nothing is."""
+    doubts = finding.shown()
+    if not doubts:
+        return
+    wide, high = made.get_size_inches()
+    lines = textwrap.wrap(finding.name(doubts), int(wide / LETTER))
+    looks = {"color": DOUBT, "ha": "left", "va": "top", "weight": "bold", "fontsize": 11}
+    room = LINE * len(lines) + 0.5 * LINE
+    taller = high + room
+    engine = made.get_layout_engine()
+    made.set_size_inches(wide, taller)
+    if engine is not None:
+        # what the engine lays out ends below the line
+        engine.set(rect=(0, 0, 1, high / taller))
+    for axes in made.axes if engine is None else ():
+        left, bottom, width, height = axes.get_position(original=True).bounds
+        axes.set_position((left, bottom * high / taller, width, height * high / taller))
+    for text in made.texts:
+        x, y = text.get_position()
+        text.set_position((x, y * high / taller))
+    made.text(LETTER / wide, 1 - 0.25 * LINE / taller, "\n".join(lines), **looks)
 
 
 class StyledFigure(Figure):

@@ -18,6 +18,7 @@ from fabrics.base.counted import counted
 from fabrics.base.files import replace_whole
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
+from weavecell.report.pictures_figure import say_doubts
 from weavecell.report.pictures_mesh import COLOURS, INK, VIEWS, aim, plotter
 
 # distinct to colour-blind readers, and in grey
@@ -66,6 +67,7 @@ def picture(mesh: YarnMesh, path: FilePath) -> None:
         x=0.01,
         ha="left",
     )
+    say_doubts(figure)
     with replace_whole(path) as beside:
         FigureCanvasAgg(figure).print_png(str(beside))
 

@@ -7,6 +7,8 @@ from typing import Any
 
 INK = "#1d2733"
 FAINT = "#8a94a0"
+# of what is doubtful, as in the pages
+DOUBT = "#7a5c00"
 BLUE = "#0072B2"
 ORANGE = "#E69F00"
 GREEN = "#009E73"

@@ -3,12 +3,15 @@ the result takes both.
 
 The first line in a terminal and a notebook, banner, card and colour of a page, title and legend of
 a picture, and the JSON file have their words and their colour from here, so that none of them can
-show a number as sure that another one doubts.
+show a number as sure that another one doubts. A picture is drawn far from its result: while a result
+is shown (`showing`), all pictures say what is doubtful of it (`report.pictures_figure.complete`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
 
 PLAIN = "plain"
 TONE_OF_DOUBT = "doubtful"
+_SHOWN: ContextVar[tuple[str, ...]] = ContextVar("doubts of the result that is shown", default=())
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,21 @@ class Finding:
 
     def __str__(self) -> str:
         return mark(f"{self.label} {self.value}", self.doubts)
+
+
+@contextmanager
+def showing(doubts: Iterable[str]) -> Iterator[None]:
+    """Let the pictures that are drawn in this block say what is doubtful."""
+    token = _SHOWN.set(tuple(doubts))
+    try:
+        yield
+    finally:
+        _SHOWN.reset(token)
+
+
+def shown() -> tuple[str, ...]:
+    """Return what is doubtful of the result that is being shown."""
+    return _SHOWN.get()
 
 
 def list_doubts(checks: Iterable[Indicator]) -> tuple[str, ...]:

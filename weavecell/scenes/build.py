@@ -312,7 +312,11 @@ def _laws(table, key, fabric, file, given):
             name = "fitted to the 3D crossover"
         else:
             name = laws[0].provenance
-        return laws, f"{name}, {CHANGED.format(fabric.name)}" if changed else name
+        if changed:
+            name += f", {CHANGED.format(fabric.name)}"
+        for doubts in {each.doubts for each in laws} - {""}:
+            name += f", DOUBTFUL: {doubts}"
+        return laws, name
     if given is not None:
         return laws, laws[0].provenance
     sources = " ".join(
@@ -367,6 +371,8 @@ def laws_of(
             value = str(written)
         law.require_fabric(fabric.name, file=file, key=key, value=value)
         _warn_of_change(law.fitted_data, fabric, value or "law")
+    for doubts in dict.fromkeys(law.doubts for law in (warp, weft) if law.doubts):
+        LOG.warning(f"{value or 'law'} is doubtful: {doubts}")
     # a pair that closes more than both heights would let yarns pass through each other
     check_room((warp, weft), fabric.weave, file=file, key=f"{key}.a")
     return warp, weft

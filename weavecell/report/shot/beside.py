@@ -53,7 +53,8 @@ def build(
     """
     titles = names(records)
     cards = tuple(
-        replace(chapters_shot.card(record), label=title) for title, record in zip(titles, records)
+        replace(chapters_shot.card(record), label=title).with_doubts(chapters_shot.find(record))
+        for title, record in zip(titles, records)
     )
     motion = Section(
         "motion",

@@ -50,7 +50,7 @@ CUT_INSTANTS = (0.2, 0.5, 1.0)
 
 
 def outcome(record: ImpactRecord) -> str:
-    """Say the result of an impact in one line."""
+    """Say the result of an impact in one line, without what is doubtful of it."""
     strike = f"{record.strike_velocity:g} m/s"
     end = text(record.time[-1], "s", form=".0f")
     if record.outcome == "unstable":
@@ -67,7 +67,7 @@ def outcome(record: ImpactRecord) -> str:
     if record.outcome != "perforated":
         facts.append(_deflection(record))
     facts.append(_load(record))
-    return finding.mark(f"{words}: {', '.join(facts)}.", find(record).doubts)
+    return f"{words}: {', '.join(facts)}."
 
 
 def find(record: ImpactRecord) -> Finding:
@@ -129,11 +129,11 @@ def cut(counts: Sequence[float]) -> str:
 
 
 def card(record: ImpactRecord) -> Card:
-    """Write the card that says what one impact came to."""
+    """Write the card that says what one impact came to, without what is doubtful of it."""
     found = find(record)
     force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
     lines = (residual(record), *_dent(record), _deflection(record), force, _load(record))
-    return Card(found.label, found.value, (*found.lines, *lines), found.tone)
+    return Card(found.label, found.value, lines)
 
 
 def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
