@@ -14,6 +14,7 @@ from matplotlib import cm, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from weavecell.report.pictures_style import DOUBT, FAINT, INK
 from weavecell.results import finding
@@ -78,15 +79,15 @@ def plots() -> Iterator[Any]:
         yield sys.modules[__name__]
 
 
-def complete(draw: Callable, *arguments: Any) -> Figure:
+def complete(draw: Callable, *arguments: Any) -> Any:
     """Draw with `draw(pyplot, ...)`, and say in the picture what is doubtful of the result that is
     shown; inside `plots`."""
-    made: Figure = draw(sys.modules[__name__], *arguments)
+    made = draw(sys.modules[__name__], *arguments)
     say_doubts(made)
     return made
 
 
-def drawn(draw: Callable, *arguments: Any) -> Figure:
+def drawn(draw: Callable, *arguments: Any) -> Any:
     """Draw as `complete` does, in the project's look."""
     with plots():
         return complete(draw, *arguments)
@@ -99,12 +100,11 @@ def say_doubts(made: Figure) -> None:
         return
     wide, high = made.get_size_inches()
     lines = textwrap.wrap(finding.name(doubts), int(wide / LETTER))
-    looks = {"color": DOUBT, "ha": "left", "va": "top", "weight": "bold", "fontsize": 11}
     room = LINE * len(lines) + 0.5 * LINE
     taller = high + room
     engine = made.get_layout_engine()
     made.set_size_inches(wide, taller)
-    if engine is not None:
+    if isinstance(engine, ConstrainedLayoutEngine):
         # what the engine lays out ends below the line
         engine.set(rect=(0, 0, 1, high / taller))
     for axes in made.axes if engine is None else ():
@@ -113,7 +113,16 @@ def say_doubts(made: Figure) -> None:
     for text in made.texts:
         x, y = text.get_position()
         text.set_position((x, y * high / taller))
-    made.text(LETTER / wide, 1 - 0.25 * LINE / taller, "\n".join(lines), **looks)
+    made.text(
+        LETTER / wide,
+        1 - 0.25 * LINE / taller,
+        "\n".join(lines),
+        color=DOUBT,
+        ha="left",
+        va="top",
+        weight="bold",
+        fontsize=11,
+    )
 
 
 class StyledFigure(Figure):
