@@ -84,10 +84,10 @@ class KnownScene:
 
     def __str__(self) -> str:
         if self.cheapest == self.richest:
-            return f"{self.cheapest}: no cheaper model is within 5 % in the like scene {self.name}"
+            return f"{self.cheapest}: no cheaper model is within 5 % in the like shot {self.name}"
         return (
             f"{self.cheapest}, {self.off:.1f} % off {self.richest} at {self.cost:.2g} of the CPU time in the like "
-            f"scene {self.name}"
+            f"shot {self.name}"
         )
 
 

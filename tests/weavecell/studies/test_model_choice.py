@@ -38,11 +38,9 @@ def test_the_like_scene_is_the_nearest_in_each_number(scenes, monkeypatch, name)
     monkeypatch.setattr(model_choice, "describe", lambda setup, target: numbers)
     told = model_choice.advise(None, None)
     if name == "same":
-        assert (
-            told == "model: cheap, 1.2 % off rich at 0.043 of the CPU time in the like scene same"
-        )
+        assert told == "model: cheap, 1.2 % off rich at 0.043 of the CPU time in the like shot same"
     else:
-        assert told == f"model: dear: no cheaper model is within 5 % in the like scene {name}"
+        assert told == f"model: dear: no cheaper model is within 5 % in the like shot {name}"
 
 
 def test_a_scene_that_is_like_none_is_told(scenes, monkeypatch):
