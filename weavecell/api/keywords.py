@@ -296,7 +296,7 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
 
     Parameters
     ----------
-    fabric : its name or the path of its file
+    fabric : its name or the whole path of its file
     """
     import tomlkit
 
@@ -305,7 +305,7 @@ def text(table: Mapping[str, Any], fabric: object) -> str:
     if not isinstance(fabric, (str, Path)) or _has_object(table):
         return ""
     if str(fabric).endswith(".toml"):
-        named = {"file": str(Path(fabric).resolve())}
+        named = {"file": str(fabric)}
     else:
         named = {"name": str(fabric)}
     rest = {key: value for key, value in table["fabric"].items() if key != "name"}

@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, cast
@@ -48,15 +49,15 @@ class Target:
     ----------
     case : build.Case; None of a set-up that was made in Python
     setup : ImpactSetup
-    text : of the input file; that of a fabric is the standard one, "" if no file can say what is
-        shot at
+    source : text of the input file, or of keywords the table of the input file that says the same,
+        and the fabric; "" of a set-up
     name : as it was given
     from_file : whether it is an input file
     """
 
     case: build.Case | None
     setup: Any
-    text: str
+    source: str | tuple[Mapping[str, Any], object]
     name: str
     from_file: bool
 
@@ -64,6 +65,14 @@ class Target:
     def title(self) -> str:
         """The fabric, with the number of its plies."""
         return self.setup.title
+
+    @cached_property
+    def text(self) -> str:
+        """Text of the input file; that of a fabric is the standard one, "" if no file can say what is
+        shot at."""
+        if isinstance(self.source, str):
+            return self.source
+        return keywords.text(*self.source)
 
     @property
     def scene(self) -> scenes.Scene | None:
@@ -348,7 +357,10 @@ def build_target(
         raise keywords.name_as_keywords(problem) from None
     for note in ply.notes:
         warn_user(note)
-    return Target(case, ply, keywords.text(written, fabric), ply.title, from_file=False)
+    of_file: object = fabric
+    if isinstance(fabric, (str, os.PathLike)) and str(fabric).endswith(".toml"):
+        of_file = Path(fabric).resolve()
+    return Target(case, ply, (written, of_file), ply.title, from_file=False)
 
 
 def list_assumptions(setup: ImpactSetup) -> tuple[str, ...]:
