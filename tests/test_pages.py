@@ -66,6 +66,19 @@ def test_readme_and_docs_do_not_grow_beyond_what_anybody_reads(tool):
     assert sum(pages.values()) < numbers.MOST_WORDS
 
 
+def test_numbers_of_a_page_are_told_apart(tool, tmp_path):
+    numbers = tool("page_numbers")
+    page = tmp_path / "page.md"
+    page.write_text(
+        "A ply leaves 114.8 m/s, more than `3.7 %` off; target 2.5 %, friction 0.17, 61 x 83 mm.\n\n"
+        "| strike, 47 m/s | left | tests |\n| --- | --- | --- |\n| 53 m/s | 29.3 m/s | 31.9 m/s |\n\n"
+        "<!-- = strength-limits[share=0.9] critical velocity [m/s] : .1f -->101.4<!-- / --> m/s\n"
+    )
+    found = {number: kind for kind, _, number, *_ in numbers.of_page(page)}
+    expected = {"114.8": "prose", "3.7": "prose", "47": "label", "53": "label", "29.3": "table"}
+    assert found == expected | {"31.9": "test"}
+
+
 MARK = "<!-- = measured[id=gelatine 10 %] {} -->{}<!-- / -->"
 
 

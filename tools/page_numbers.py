@@ -6,7 +6,7 @@ Left out: what stands between marks (tools/pages.py, tools/page_values.py), code
 (S-720, LAW58), numbers of figures, sections and equations, versions, years, and list numbers. What is left is
 
     table, prose   results: nothing says when they are old
-    test           its sentence names a test, a measurement or another source
+    test           its sentence, or the heading of its column, names a test, a measurement or another source
     input          stands with the same unit in an input of the project: studies, fabrics, examples
     count          a small whole number in prose
     label          in the heading or the first cell of a table's row
@@ -62,6 +62,7 @@ NAMES = re.compile(
             r"|commit|version|seed) (?:[A-Z]?-?\d[\w.-]*(?:(?:, | and | to )[A-Z]?-?\d[\w.-]*)*)",
             r"\b(?:19|20)\d\d(?:-\d\d(?:-\d\d)?)?\b",
             r"\b1/[a-zA-Z]+\b|\b\d+(?: x \d+)+(?![.\d])(?: m?m\b)?"  # panels and meshes are set up
+            r"|\btargets?(?: of| is| below)? \d[\d.]*"
             r"|\bfriction (?:of |between |on the nose |yarns |plies )*\d[\d.]*(?: (?:to|and) \d[\d.]*)?"
             r"|\b\d+ \(\d{4}\) \d+|\b\d+, \d+-\d+\b|\bRes\. J\. \d+,\s*\d+|^\s*\d+\. |\b[A-Z][a-z]+-\d+\b",
         )
@@ -91,6 +92,7 @@ def inputs():
     found = set()
     files = [
         *(ROOT / "validation" / "studies").glob("*.toml"),
+        *(ROOT / "validation" / "measured" / "inputs").rglob("*.toml"),
         *(ROOT / "examples").rglob("*.toml"),
         *(ROOT / "fabrics").rglob("*.toml"),
         *(ROOT / "shellfabric").rglob("*.toml"),
@@ -120,7 +122,7 @@ def of_page(path):
         line = clean[clean.rfind("\n", 0, match.start()) + 1 : clean.find("\n", match.end())]
         in_table = line.lstrip().startswith("|")
         unit = (match["u"] or "").strip()
-        known = {"us": "µs", "um": "µm", "degrees": "°"}.get(unit, unit)
+        known = {"us": "µs", "um": "µm", "degrees": "°", "plies": ""}.get(unit, unit)
         counted = unit in ("plies", "times") or not (unit or in_table)
         if in_table and is_label(clean, match):
             kind = "label"
@@ -128,7 +130,7 @@ def of_page(path):
             kind = "count"
         elif unit and (value, known) in INPUTS:
             kind = "input"
-        elif MEASURED.search(sentence(clean, match)):
+        elif path == ERRATA or MEASURED.search(context(clean, match, in_table)):
             kind = "test"
         elif in_table:
             kind = "table"
@@ -145,6 +147,25 @@ def is_label(text, match):
     end = text.find("\n", match.end())
     heading = re.match(r"\|[ :|-]+$", text[end + 1 :].partition("\n")[0])
     return heading is not None or text.count("|", begin, match.start()) == 1
+
+
+def context(text, match, in_table):
+    """Return what says where a number comes from: its sentence, or its row with the heading of its column."""
+    if in_table:
+        return f"{column_heading(text, match)}\n{sentence(text, match)}"
+    return sentence(text, match)
+
+
+def column_heading(text, match):
+    """Return the heading of the column of a table in which a number stands."""
+    begin = text.rfind("\n", 0, match.start()) + 1
+    column = text.count("|", begin, match.start())
+    rows = []
+    for line in reversed(text[:begin].splitlines()):
+        if not line.lstrip().startswith("|"):
+            break
+        rows.append(line)
+    return rows[-1].split("|")[column]
 
 
 def sentence(text, match):
@@ -167,6 +188,7 @@ def sentence(text, match):
 
 
 INPUTS = inputs()
+ERRATA = ROOT / "validation" / "reports" / "errata.md"  # all numbers are the thesis's
 ALLOWED = ROOT / "docs" / "numbers.csv"
 MOST_WORDS = 60_000
 

@@ -41,6 +41,7 @@ ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 from fabrics import catalogue  # noqa: E402
+from shellfabric.guards import ENERGY_ERROR_LIMIT  # noqa: E402
 from shellfabric.membrane.numerics import Numerics  # noqa: E402
 from shellfabric.membrane.quality import CHECKS  # noqa: E402
 from shellfabric.yarns.holding import BISECTIONS, find_factors  # noqa: E402
@@ -75,6 +76,7 @@ CODE = {
         for family in (None, *BISECTIONS)
         for end, factor in zip(("low", "high"), find_factors(family))
     },
+    "shellfabric.guards": {"ENERGY_ERROR_LIMIT": ENERGY_ERROR_LIMIT},
     "shellfabric.membrane.numerics Numerics": {
         field.name: field.default for field in fields(Numerics)
     },
