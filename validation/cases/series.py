@@ -32,39 +32,37 @@ def coverage(*, protocol: str, share: float, shots: Sequence[int], series: int) 
 
     Returns
     -------
-    dict with held; without, by the likelihood without a penalty; and prior, the series whose
-    interval rests on a prior: [%] by number of shots
+    dict with held, and without, by the likelihood alone, both [%]; and half, the median half width of
+    the interval over s; by number of shots
     """
     held = []
     without = []
-    prior = []
+    half = []
     for count in shots:
         random = np.random.default_rng([SEED, count])
-        inside = []
+        found = []
         for _ in range(series):
             failing = V50 * (1 + share * random.standard_normal(count))
-            inside.append(_inside(*PROTOCOLS[protocol](failing, random)))
-        found, plain, by_prior = 100 * np.mean(inside, axis=0)
-        held.append(found)
-        without.append(plain)
-        prior.append(by_prior)
-    return {"held": held, "without": without, "prior": prior}
+            found.append(_inside(*PROTOCOLS[protocol](failing, random)))
+        inside, plain, widths = np.array(found).T
+        held.append(100 * inside.mean())
+        without.append(100 * plain.mean())
+        half.append(0.5 * float(np.nanmedian(widths)) / (share * V50))
+    return {"held": held, "without": without, "half": half}
 
 
 def _inside(velocity, perforated):
-    """Whether V50 is in the interval of `probit.fit`, in that of the likelihood alone, and whether the first rests on a
-    prior; shots that determine no curve exclude nothing."""
+    """(whether V50 is in the interval of `probit.fit`, whether in that of the likelihood alone, width [m/s] of the
+    first); shots that determine no curve exclude nothing, and have no width."""
     V = np.array(velocity)
     hit = np.array(perforated)
     near = probit.locate(V, hit)
     if np.isnan(near):
-        return True, True, False
+        return True, True, np.nan
     fall = 0.5 * chi2.ppf(CONFIDENCE, 1)
-    without = probit.fallen(V, hit, V50, penalised=False) <= fall
-    if probit.bounds_V50(V, hit, near, CONFIDENCE):
-        return probit.fallen(V, hit, V50) <= fall, without, False
-    below = probit.posterior_of(V, hit, near).share_below(V50)
-    return abs(below - 0.5) <= 0.5 * CONFIDENCE, without, True
+    without = probit.fallen(V, hit, V50) <= fall
+    low, high = probit.posterior_of(V, hit, near).interval(0.0, CONFIDENCE)
+    return low <= V50 <= high, without, high - low
 
 
 def rounds(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:

@@ -348,7 +348,7 @@ class V50Result(StudyResult):
         around = self.assumed_range
         covered = brief_words(self.left_out, self.chosen)
         curve = self.study.curves["probit"]
-        sampled = f"{curve.span()} {curve.basis}, 95 %"
+        sampled = f"{curve.span()} by the shots and a prior of their spread, 95 %"
         parts = [sampled, covered]
         if around is not None:
             span = f"{around.low:.1f} to {around.high:.1f} m/s"

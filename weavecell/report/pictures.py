@@ -306,9 +306,7 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
     if not curve.reason:
         start, end = (max(low, min(high, v)) for v in curve.intervals["V50"])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
-        words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)"
-        if curve.by_prior:
-            words += "\nwith a prior"
+        words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)\nwith a prior"
         axes.axvline(curve.V50, color=STEEL, lw=1.5, label=words)
     if comparison is not None:
         words = f"computed critical\nvelocity {comparison.limit.velocity:.1f} m/s"

@@ -56,9 +56,7 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     if not curve.reason:
         edges = probit.band(V, hit, curve, _PROBABILITIES)
         ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
-        label = f"{100 * curve.confidence:g} % of the probit"
-        if curve.by_prior:
-            label += ", with a prior"
+        label = f"{100 * curve.confidence:g} % of the probit, with a prior"
         axis.fill_betweenx(_PROBABILITIES, *ends, color=BLUE, alpha=0.18, lw=0, label=label)
         grid = np.linspace(left, right, 400)
         logit = study.curves["logit"].probability(grid)

@@ -7,19 +7,19 @@ V50 and s have the largest likelihood. Where no shot that stopped was faster tha
 perforated, that is a step, s = 0, with V50 anywhere between them: the middle is given. Where the
 fastest stop and the slowest perforation have one velocity, the step is there.
 
-Intervals rest on the penalised likelihood of Firth (1993, Biometrika 80, 27), whose logarithm is
+Intervals are those of a posterior with a prior of s (`posterior`), whatever the number of shots.
+Since P reaches 0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
+
+Whether the shots would bound V50 without that prior, or how many more would, is said beside it. It is
+asked of at least `ENOUGH` shots, by the penalised likelihood of Firth (1993, Biometrika 80, 27), whose
+logarithm is
 
     l(V50, s) + 1/2 ln det I,   I = sum_k w_k (1, V_k)^T (1, V_k),   w = f^2 / (F (1 - F))
 
-and end where its profile has fallen by half the quantile of chi^2 (1) (Heinze and Schemper 2002,
-Statistics in Medicine 21, 2409, who use it where outcomes do not mix). They are unsymmetric, as few
-shots are. The likelihood alone finds s too small, the more so as the velocities of later shots
-follow from it, and its intervals are too narrow (`python -m validation study v50-coverage`). With
-beta = 1 / s and any V_P = V50 + z_P s in the place of V50, a profile is one over beta. Since P
-reaches 0 and 1 nowhere, V0 and V100 are taken where it is `LOW` and `HIGH`.
-
-Of fewer than `ENOUGH` shots, and of more that leave V50 without a bound, the intervals are those of
-a posterior with a prior of s (`posterior`).
+if its profile over V50 falls by half the quantile of chi^2 (1) either way (Heinze and Schemper 2002,
+Statistics in Medicine 21, 2409, who use it where outcomes do not mix). The likelihood alone finds s too
+small, the more so as the velocities of later shots follow from it, and its intervals are too narrow
+(`python -m validation study v50-coverage`).
 
 statsmodels finds the same curves (a test holds them against each other). It is not used here: where
 shots are separated it does not converge, and its intervals are those of a normal distribution, too
@@ -32,12 +32,12 @@ from bisect import bisect_left
 from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass
-from math import exp, inf, isnan, log, nan
+from math import exp, isnan, log, nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 from scipy.special import expit, log_expit, log_ndtr, ndtr
 from scipy.stats import chi2, logistic, norm
 
@@ -65,11 +65,11 @@ NOT_RISING = "the share of perforations does not grow with the velocity"
 _FLATTEST, _STEEPEST = 1e-3, 1e5
 # step of the logarithm of beta with which a search begins
 _COARSE = 0.5
-# ranges of the velocities beyond which an interval has no bound
+# ranges of the velocities beyond which V50 has no bound
 _FAR = 100
 # least determinant, whose logarithm is finite
 _LEAST = 1e-300
-# fewest shots whose likelihood alone gives intervals: of drawn series of 8 half have no bound
+# fewest shots that may bound V50 without a prior: of drawn series of 8 half have no bound
 ENOUGH = 12
 # more shots than so many times those fired are not forecast
 _MOST_TIMES = 20
@@ -89,8 +89,7 @@ class Curve:
     likelihood : its logarithm
     separated : whether no stop was faster than a perforation: the curve is a step, and s 0
     confidence : [-] of the intervals
-    floor : [-] logarithm of the penalised likelihood at the ends of the intervals
-    by_prior : whether the intervals are those of the posterior
+    by_prior : whether the intervals rest on the prior, without which the shots do not bound V50
     more_shots : how many more shots, if they fall as these, bound V50 without a prior; 0 if these
         do, None if more than can be forecast
     reason : why the shots determine no curve, all of whose numbers are NaN then; "" of a fitted one
@@ -104,7 +103,6 @@ class Curve:
     likelihood: float
     separated: bool
     confidence: float
-    floor: float
     by_prior: bool = False
     more_shots: int | None = 0
     reason: str = ""
@@ -117,23 +115,16 @@ class Curve:
         if self.separated:
             step = "; no stop is faster than a perforation, a step, s = 0"
         level = f"with {100 * self.confidence:g} % confidence"
-        basis = ""
-        if self.by_prior:
-            basis = f", by {prior_words()}; {self._forecast_words()}"
-        return f"V50 ({self.link}) {self.V50:.1f} m/s, {self.span()} {level}{basis}{step}"
+        basis = f"by {prior_words()}; {self._forecast_words()}"
+        return f"V50 ({self.link}) {self.V50:.1f} m/s, {self.span()} {level}, {basis}{step}"
 
     def _forecast_words(self):
-        """Write how many more shots bound V50 without the prior."""
+        """Write whether the shots bound V50 without the prior, or how many more do."""
+        if not self.by_prior:
+            return "the shots would bound it without a prior too"
         if self.more_shots is None:
             return "the shots alone set no bounds"
         return f"about {counted(self.more_shots, 'more shot')} would bound it without a prior"
-
-    @property
-    def basis(self) -> str:
-        """What the interval rests on, for a headline."""
-        if self.by_prior:
-            return "by the shots and a prior of their spread"
-        return "by the number of shots"
 
     def span(self) -> str:
         """Write the interval of V50."""
@@ -191,9 +182,9 @@ class _Likelihood:
         # [m/s] least s
         self.least = self.range / _STEEPEST
 
-    def __call__(self, at: float, beta: Any, z: float = 0.0) -> Any:
-        """Of P(at) = F(z) and slope beta, a number or an array of any shape."""
-        eta = z + np.multiply.outer(beta, self.V - at)
+    def __call__(self, at: float, beta: Any) -> Any:
+        """Of P(at) = 1/2 and slope beta, a number or an array of any shape."""
+        eta = np.multiply.outer(beta, self.V - at)
         # both distributions are even: sf(x) is cdf(-x)
         below = self.log_cdf(eta)
         above = self.log_cdf(-eta)
@@ -202,13 +193,13 @@ class _Likelihood:
             found = found + penalty(self.V, self.log_weight(eta, below, above))
         return found
 
-    def maximise_at(self, at: float, z: float = 0.0) -> tuple[float, float]:
-        """(largest likelihood, its beta) with P(at) = F(z)."""
+    def maximise_at(self, at: float) -> tuple[float, float]:
+        """(largest likelihood, its beta) with P(at) = 1/2."""
         # the penalised one need not have one top
         tried = np.arange(*self.betas, _COARSE)
-        near = tried[np.argmax(self(at, np.exp(tried), z))]
+        near = tried[np.argmax(self(at, np.exp(tried)))]
         top = minimize_scalar(
-            lambda t: -self(at, exp(t), z),
+            lambda t: -self(at, exp(t)),
             bounds=(near - _COARSE, near + _COARSE),
             method="bounded",
             options={"xatol": 1e-6},
@@ -279,22 +270,12 @@ def fit(
     V50, s, best = _maximise(V, hit, link)
     if isnan(V50):
         return _none(link, confidence, NOT_RISING)
-    penalised = _Likelihood(V, hit, link, penalised=True)
-    middle, steepness, highest = _top_over_V50(penalised, V50)
-    floor = highest - 0.5 * float(chi2.ppf(confidence, 1))
-    more = _more_shots(penalised, middle, confidence)
-    if more == 0:
-        intervals = {
-            name: interval(penalised, P, middle + LINKS[link].ppf(P) / steepness, floor)
-            for name, P in NAMED.items()
-        }
-        intervals["s"] = _spread(penalised, 1 / steepness, floor)
-    else:
-        posterior = posterior_of(V, hit, V50, link)
-        intervals = {
-            name: posterior.interval(LINKS[link].ppf(P), confidence) for name, P in NAMED.items()
-        }
-        intervals["s"] = posterior.interval_of_spread(confidence)
+    more = _more_shots(_Likelihood(V, hit, link, penalised=True), V50, confidence)
+    posterior = posterior_of(V, hit, V50, link)
+    intervals = {
+        name: posterior.interval(LINKS[link].ppf(P), confidence) for name, P in NAMED.items()
+    }
+    intervals["s"] = posterior.interval_of_spread(confidence)
     deviation = s * float(LINKS[link].std())
     curve = Curve(
         link,
@@ -305,11 +286,10 @@ def fit(
         best,
         _is_separated(V, hit),
         confidence,
-        floor,
         by_prior=more != 0,
         more_shots=more,
     )
-    # a step has s = 0, which no penalised likelihood holds
+    # a step has s = 0, which no posterior holds
     for name, (low, high) in intervals.items():
         value = getattr(curve, name)
         intervals[name] = min(low, value), max(high, value)
@@ -354,7 +334,7 @@ def _no_curve(V, hit):
 def _none(link, confidence, reason):
     """The Curve of shots that determine none."""
     intervals = dict.fromkeys(("V0", "V50", "V100", "s"), (nan, nan))
-    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, nan, reason=reason)
+    return Curve(link, nan, nan, nan, intervals, nan, False, confidence, reason=reason)
 
 
 def posterior_of(
@@ -367,8 +347,8 @@ def posterior_of(
 def bounds_V50(
     velocity: ArrayLike, perforated: ArrayLike, near: float, confidence: float = 0.95
 ) -> bool:
-    """Tell whether shots are so many, and fall such that the interval of V50, looked for from a near
-    one [m/s], needs no prior."""
+    """Tell whether shots are so many, and fall such that they bound V50, looked for from a near one
+    [m/s], without a prior."""
     V = np.asarray(velocity, float)
     likelihood = _Likelihood(V, np.asarray(perforated, bool), "probit", penalised=True)
     return V.size >= ENOUGH and _bounds(likelihood, near, confidence)
@@ -402,17 +382,12 @@ def _more_shots(likelihood, near, confidence):
 
 
 def fallen(
-    velocity: ArrayLike,
-    perforated: ArrayLike,
-    V50: float,
-    *,
-    link: str = "probit",
-    penalised: bool = True,
+    velocity: ArrayLike, perforated: ArrayLike, V50: float, *, link: str = "probit"
 ) -> float:
-    """Compute by how much the logarithm of the likelihood has fallen from its top at a V50 [m/s]: an
-    interval holds those of less than half the quantile of chi^2 (1)."""
+    """Compute by how much the logarithm of the likelihood, without a penalty, has fallen from its top
+    at a V50 [m/s]: by itself it would leave those of less than half the quantile of chi^2 (1)."""
     V = np.asarray(velocity, float)
-    likelihood = _Likelihood(V, np.asarray(perforated, bool), link, penalised=penalised)
+    likelihood = _Likelihood(V, np.asarray(perforated, bool), link, penalised=False)
     return _top_over_V50(likelihood, V50)[2] - likelihood.maximise_at(V50)[0]
 
 
@@ -424,38 +399,8 @@ def band(
     V = np.asarray(velocity, float)
     hit = np.asarray(perforated, bool)
     law = LINKS[curve.link]
-    if curve.by_prior:
-        posterior = posterior_of(V, hit, curve.V50, curve.link)
-        ends = [posterior.interval(law.ppf(P), curve.confidence) for P in probabilities]
-        return np.array(ends)
-    likelihood = _Likelihood(V, hit, curve.link, penalised=True)
-    middle, steepness, _ = _top_over_V50(likelihood, curve.V50)
-    places = [(P, middle + law.ppf(P) / steepness) for P in probabilities]
-    return np.array([interval(likelihood, P, at, curve.floor) for P, at in places])
-
-
-def interval(likelihood: _Likelihood, P: float, at: float, floor: float) -> tuple[float, float]:
-    """Find the interval (low, high) [m/s], at least 0, between which the profile likelihood of V_P,
-    largest at `at`, is above a floor."""
-    z = likelihood.law.ppf(P)
-    below = lambda V: likelihood.maximise_at(V, z)[0] - floor  # noqa: E731
-    return max(_edge(below, at, -likelihood.range), 0.0), _edge(below, at, likelihood.range)
-
-
-def _edge(above, inside, step):
-    """Where a function that is above 0 at `inside` and has one top crosses 0; infinite if it does
-    nowhere near."""
-    near = inside
-    far = inside + 0.05 * step
-    while above(far) > 0:
-        near = far
-        # doubled: an open interval is found in a few steps
-        far = inside + 2 * (far - inside)
-        if abs(far - inside) > _FAR * abs(step):
-            if step > 0:
-                return inf
-            return -inf
-    return brentq(above, near, far, xtol=1e-6 * abs(step))
+    posterior = posterior_of(V, hit, curve.V50, curve.link)
+    return np.array([posterior.interval(law.ppf(P), curve.confidence) for P in probabilities])
 
 
 def _top(likelihood):
@@ -491,14 +436,3 @@ def _step(likelihood):
     share = float(hit[low == V].mean())
     V50 = low - likelihood.least * likelihood.law.ppf(share)
     return V50, 0.0, likelihood(V50, 1 / likelihood.least)
-
-
-def _spread(likelihood, s, floor):
-    """(low, high) [m/s] of s, from the profile likelihood of its logarithm; infinite if there is no
-    bound."""
-    above = lambda t: likelihood.maximise_with_slope(exp(t))[0] - floor  # noqa: E731
-    flattest, steepest = likelihood.betas
-    high = inf
-    if above(flattest) < 0:
-        high = exp(-brentq(above, flattest, -log(s)))
-    return exp(-brentq(above, -log(s), steepest)), high

@@ -1,4 +1,4 @@
-"""Few shots have an interval by a posterior whose prior is said, and a forecast of how many more bound V50."""
+"""Shots have an interval by a posterior whose prior is said, and a forecast of how many more bound V50 without it."""
 
 from itertools import product
 
@@ -24,11 +24,11 @@ def six():
 
 def test_the_six_shots_of_the_standard_are_bounded_and_say_by_what(six):
     """The likelihood alone would say 129 to 148 m/s, too narrow; the penalised one sets no bounds."""
-    assert six.intervals["V50"] == pytest.approx((127.09, 150.34), abs=0.02)
+    assert six.intervals["V50"] == pytest.approx((118.39, 159.05), abs=0.02)
     assert six.by_prior
     assert six.more_shots == 6
     assert six.words() == (
-        "V50 (probit) 138.5 m/s, 127.1 to 150.3 m/s with 95 % confidence, by a prior: panels fail within 3 % of V50 "
+        "V50 (probit) 138.5 m/s, 118.4 to 159.0 m/s with 95 % confidence, by a prior: panels fail within 5 % of V50 "
         "(standard deviation), log-normal, factor 2.5; about 6 more shots would bound it without a prior"
     )
     assert all(0 < low < high < np.inf for low, high in six.intervals.values())
@@ -39,7 +39,7 @@ def test_the_ends_are_those_of_the_integral_by_quadrature(six):
 
     def mass(until):
         def over_s(x):
-            s = 0.03 * six.V50 * 2.5**x
+            s = 0.05 * six.V50 * 2.5**x
             V = np.linspace(max(MIL_STD[0] - 9 * s, 0.0), min(MIL_STD[-1] + 9 * s, until), 2001)
             if V[-1] <= V[0]:
                 return 0.0
@@ -54,21 +54,32 @@ def test_the_ends_are_those_of_the_integral_by_quadrature(six):
     assert_allclose([mass(low) / whole, mass(high) / whole], [0.025, 0.975], atol=5e-4)
 
 
-def test_finer_sums_move_no_end_by_a_hundredth_of_the_width(monkeypatch):
-    V = np.array([100.0, 100.01, 102.0, 99.0])
-    hit = np.array([False, True, True, False])
+def many():
+    """80 shots, whose posterior is a small part of what is summed over at first."""
+    V = 100 + 12 * np.sin(np.arange(80.0))
+    return V, V > 100 + 4 * np.cos(1.7 * np.arange(80.0))
+
+
+@pytest.mark.parametrize(
+    "V, hit",
+    [([100.0, 100.01, 102.0, 99.0], [False, True, True, False]), many()],
+    ids=["4 shots", "80 shots"],
+)
+def test_finer_sums_move_no_end_by_a_thirtieth_of_the_width(V, hit, monkeypatch):
+    V, hit = np.array(V), np.array(hit)
 
     def ends():
         found = probit.posterior_of(V, hit, 100.0)
         return np.array([*found.interval(0.0, 0.95), *found.interval(-2.3, 0.95)])
 
     usual = ends()
-    monkeypatch.setattr(posterior, "_SPREADS", 161)
-    monkeypatch.setattr(posterior, "_PLACES", 961)
-    assert_allclose(usual, ends(), atol=0.01 * (usual[1] - usual[0]))
+    monkeypatch.setattr(posterior, "_SPREADS", 81)
+    monkeypatch.setattr(posterior, "_PLACES", 481)
+    assert_allclose(usual, ends(), atol=0.03 * (usual[1] - usual[0]))
 
 
-def test_shots_alone_give_the_interval_once_they_are_enough():
+def test_the_interval_is_of_the_posterior_whether_or_not_the_shots_bound_v50_alone():
+    """One that is chosen by the outcomes holds too few (validation study v50-coverage)."""
     V = np.arange(90.0, 120.0, 2.5)
     hit = (V > 101) ^ (V == 100.0)
     few = probit.fit(V[1:-1], hit[1:-1])
@@ -77,9 +88,13 @@ def test_shots_alone_give_the_interval_once_they_are_enough():
     enough = probit.fit(V, hit)
     assert enough.more_shots == 0
     assert not enough.by_prior
-    edges = probit.band(V[1:-1], hit[1:-1], few, (0.5, 0.9))
-    assert_allclose(edges[0], few.intervals["V50"])
-    assert (edges[1] > edges[0]).all()
+    assert "the shots would bound it without a prior too" in enough.words()
+    for shots, curve in ((slice(1, -1), few), (slice(None), enough)):
+        of_posterior = probit.posterior_of(V[shots], hit[shots], curve.V50).interval(0.0, 0.95)
+        assert_allclose(curve.intervals["V50"], of_posterior)
+        edges = probit.band(V[shots], hit[shots], curve, (0.5, 0.9))
+        assert_allclose(edges[0], of_posterior)
+        assert (edges[1] > edges[0]).all()
 
 
 def test_as_many_more_shots_as_are_forecast_bound_v50():
@@ -101,11 +116,11 @@ def test_intervals_of_drawn_series_hold_v50_and_the_study_decides_as_the_fit():
     for count, share, number in product((6, 8, 12), (0.012, 0.03), range(3)):
         failing = series.V50 * (1 + share * random.standard_normal(count))
         velocity, hit = list(series.PROTOCOLS.values())[number % 3](failing, random)
-        inside, _, by_prior = series._inside(velocity, hit)
+        inside, _, width = series._inside(velocity, hit)
         curve = probit.fit(velocity, hit)
         low, high = curve.intervals["V50"]
         held += inside
         if not curve.reason:
             assert inside == (low <= series.V50 <= high)
-            assert by_prior == curve.by_prior
+            assert width == pytest.approx(high - low)
     assert held >= 15
