@@ -18,9 +18,10 @@ from __future__ import annotations
 import csv
 import logging
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache, partial
 from math import isfinite, nan
 
 import numpy as np
@@ -63,6 +64,7 @@ SYNONYMS = {
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
     # of data sheets
+    "key": ("property", "characteristic", "parameter"),
     "warp": ("ends",),
     "weft": ("fill", "filling", "picks"),
 }
@@ -99,6 +101,9 @@ _QUANTITY = re.compile(r"([-+]?[0-9.,]*[0-9])((?:[eE][-+]?[0-9]+)?\D*(?:\s\S+){0
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 _POINTED = re.compile(r"[-+]?[1-9][0-9]{0,2}\.[0-9]{3}")
 _IN_BRACKETS = re.compile(r"[\[(](.*)[\])]")
+# between the words of a name, and between a name and its unit
+_BETWEEN_WORDS = r"[\s_/-]+"
+_BEFORE_UNIT = re.compile(r"^(in |/|,|:|-)\s*")
 
 Row = tuple[int, list[str]]  # number of the line, its cells
 
@@ -236,6 +241,60 @@ def read_number(text: str, allowed: str, *, file: FilePath, key: str) -> float:
     return number
 
 
+def find_name(
+    text: str, names: Iterable[str], takes: Callable[[str, str], bool]
+) -> tuple[str, str] | None:
+    """Find the name with which a text begins, and the unit behind it: of a heading, or of the cell that
+    names a row.
+
+    Case is free, as is what stands between the words of a name; the unit is in brackets, behind a
+    solidus, a comma, a colon, a dash or "in", or by itself.
+
+    Parameters
+    ----------
+    text : as it is written
+    names : in small letters, with blanks between their words; of several the longest is found
+    takes : whether (name, unit) go together; brackets hold what is meant as a unit, and are not asked
+
+    Returns
+    -------
+    (name, unit as it is written, "" without one), or None where the text begins with none of the names or
+    goes on with other words
+    """
+    for name in sorted(names, key=len, reverse=True):
+        begins = _name_pattern(name).match(text.replace("’", "'"))
+        if begins is None:
+            continue
+        unit = _unit_behind(text[begins.end() :].replace("_", " ").strip(), partial(takes, name))
+        if unit is not None:
+            return name, unit
+    return None
+
+
+@cache
+def _name_pattern(name):
+    """Pattern of a name at the beginning of a text, which may be a comment."""
+    words = _BETWEEN_WORDS.join(re.escape(word) for word in name.replace("_", " ").split())
+    return re.compile(rf"[#\s]*{words}(?![^\W_])", re.IGNORECASE)
+
+
+def _unit_behind(rest, takes):
+    """The unit that follows a name, "" if none does; None if other words do."""
+    bracket = _IN_BRACKETS.fullmatch(rest.strip(": "))
+    if bracket:
+        return bracket[1].strip() or "-"
+    # a solidus that is no mark before the unit is a part of it, as in "/ 10 cm"
+    for unit in (_BEFORE_UNIT.sub("", rest), rest):
+        if not unit or takes(unit):
+            return unit
+    return None
+
+
+def plain_unit(written: str) -> str:
+    """Return a unit as `fabrics.base.units` reads it, of one as instruments write it."""
+    return _UNITS.get(written.lower(), written)
+
+
 @dataclass(frozen=True)
 class _Column:
     """A cell of a heading that names a column which is asked for.
@@ -294,36 +353,24 @@ class _Wanted:
         return [column for column in found if column is not None]
 
     def _column_of(self, cell, place):
-        """The _Column that a cell names, by the longest of the names that it begins with; None without."""
-        text = " ".join(cell.replace("_", " ").split()).lstrip("# ")
-        found = None
-        longest = 0
+        """The _Column that a cell names; None without."""
+        titles: dict[str, tuple[str, int]] = {}
         for name in self.kinds:
             for rank, title in enumerate((name, *SYNONYMS.get(name, ()))):
-                rest = text[len(title) :]
-                begins = text.lower().startswith(title) and not rest[:1].isalnum()
-                if not begins or len(title) <= longest:
-                    continue
-                unit = self._unit_behind(rest, self.kinds[name])
-                if unit is not None:
-                    found = _Column(name, rank, unit, place, cell)
-                    longest = len(title)
-        return found
-
-    def _unit_behind(self, rest, kind):
-        """The unit that follows a name in a heading, "" if none does; None if other words do."""
-        rest = rest.strip()
-        bracket = _IN_BRACKETS.fullmatch(rest)
-        if bracket:
-            return bracket[1].strip() or "-"
-        unit = re.sub(r"^(in |/|,|:|-)\s*", "", rest)
-        if not unit:
-            return ""
-        try:
-            _scale(unit, kind)
-        except InputError:
+                titles.setdefault(title, (name, rank))
+        found = find_name(cell, titles, lambda title, unit: self._has_unit(titles[title][0], unit))
+        if found is None:
             return None
-        return unit
+        title, unit = found
+        return _Column(*titles[title], unit, place, cell)
+
+    def _has_unit(self, name, unit):
+        """Whether a unit is one that a column may have."""
+        try:
+            _scale(unit, self.kinds[name])
+        except InputError:
+            return False
+        return True
 
     def has_all(self, columns: Sequence[_Column]) -> bool:
         """Tell whether all columns that are needed are there."""
@@ -411,7 +458,7 @@ class _Wanted:
 
 def _scale(written, unit, path=None, name=None):
     """SI value of one of a unit, as instruments write it; InputError if it is none of `unit`."""
-    folded = _UNITS.get(written.lower(), written.lower())
+    folded = plain_unit(written.lower())
     # a dash, or one length over another
     if not folded and not unit:
         return 1.0

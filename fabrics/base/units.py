@@ -75,7 +75,7 @@ _PER = re.compile(
 # a count, as in "8.5 yarns/cm"
 _YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")
 # ends in ten centimetres, as ISO 7211-2 counts them
-_IN_A_LENGTH = re.compile(r"(?:/|per\b) *([1-9][0-9]*) *([a-z]+)")
+_IN_A_LENGTH = re.compile(r"(?:1?/|per\b) *([1-9][0-9]*) *([a-z]+)")
 # length of a yarn in a mass, as glass is sold: "250 yd/lb" is a linear density all the same
 _OF_MASS = re.compile(r"(yd|yards?|m|km) *(?:/|per) *(lb|lbs|pound|kg|g)")
 # of a strip that breaks

@@ -174,7 +174,7 @@ def read_values(
     problems: list[InputError] = []
     tried: set[str] = set()
     lines: dict[str, str] = {}
-    rows = list(sheet_names.named(table.rows(), (*ALL, IDEALISED), path))
+    rows = list(sheet_names.named(table.rows(), (*ALL, IDEALISED), _has_unit, path))
     idealised = _is_idealised(rows, path, problems)
     for line, cells in rows:
         key = cells["key"]
@@ -204,6 +204,11 @@ def read_values(
     if problems:
         raise together(problems)
     return values, idealised
+
+
+def _has_unit(key, unit):
+    """Whether the values of a key may have a unit."""
+    return key in ALL and ALL[key].takes(f"1 {unit}")
 
 
 def _is_idealised(rows, path, problems):

@@ -1,16 +1,16 @@
 """What makers of fabrics call the rows of a data sheet.
 
-A row of a table of values is read in any case, with the unit in brackets behind its name, and under
-the names that makers use: "Weight [g/m2]" is areal_density. Rows that describe a fabric, such as
-its style, are left out, and the log says so.
+A row of a table of values is read in any case, with the unit behind its name as in any heading
+(`fabrics.base.tables`), and under the names that makers use: "Weight [g/m2]" is areal_density. Rows
+that describe a fabric, such as its style, are left out, and the log says so.
 """
 
 from __future__ import annotations
 
 import logging
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
+from fabrics.base import tables
 from fabrics.base.checks import FilePath
 from fabrics.base.units import NUMBER
 
@@ -100,49 +100,44 @@ DESCRIPTIONS = (
     "roll length",
 )
 WEAVE = "weave", "weave pattern", "pattern", "weave style", "binding"
-# a name, and the unit in brackets behind it
-_BRACKETS = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")
 
 
-def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[Row]:
+def named(
+    rows: Iterable[Row], keys: Iterable[str], takes: Callable[[str, str], bool], path: FilePath
+) -> Iterator[Row]:
     """Yield the rows with the key that each is of, and its unit behind its numbers.
 
     Parameters
     ----------
     rows : with the cells key, warp and, if wanted, others
     keys : that a row may have as its name; a row of none stays as it is
+    takes : whether (key, unit) go together
     """
-    known = {_fold(key): key for key in keys}
+    titles = {key.replace("_", " "): key for key in keys}
     for key, names in NAMES.items():
-        known |= dict.fromkeys(names, key)
+        titles |= dict.fromkeys(names, key)
+
+    def goes_with(title, unit):
+        return title in titles and takes(titles[title], tables.plain_unit(unit))
+
     for line, cells in rows:
         written = cells["key"]
-        name, unit = _split(written)
-        if name in WEAVE:
+        found = tables.find_name(written, (*titles, *DESCRIPTIONS, *WEAVE), goes_with)
+        if found is None:
+            yield line, dict(cells)
+            continue
+        title, unit = found
+        if title in WEAVE:
             if cells["warp"].strip():  # a cell that says nothing states no weave
                 yield line, cells | {"key": "weave"}
             continue
-        if name in DESCRIPTIONS:
+        if title in DESCRIPTIONS:
             LOG.info(f"{path}: left out, {line}: {written} {cells['warp']}".rstrip())
             continue
-        key = known.get(name, written)
-        if name in known and name != _fold(key):
+        key = titles[title]
+        if title != key.replace("_", " "):
             LOG.info(f"{path}: {line}: {written} is taken for {key}")
-        yield line, _with_unit(cells, unit) | {"key": key}
-
-
-def _fold(text):
-    """A name in small letters, its words apart."""
-    plain = text.lower().replace("’", "'")
-    return " ".join(re.sub(r"[_/\s-]+|:$", " ", plain).split())
-
-
-def _split(written):
-    """(folded name, unit in brackets or ""), of the cell that names a row."""
-    found = _BRACKETS.fullmatch(written)
-    if found is None:
-        return _fold(written), ""
-    return _fold(found[1]), found[2].strip()
+        yield line, _with_unit(cells, tables.plain_unit(unit)) | {"key": key}
 
 
 def _with_unit(cells: Mapping[str, str], unit: str) -> dict[str, str]:

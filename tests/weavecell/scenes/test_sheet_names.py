@@ -3,6 +3,7 @@
 import pytest
 
 from fabrics.base.errors import InputError
+from fabrics.base.units import si
 from weavecell.scenes import fabric_file, sheet_names
 
 PLAIN = {
@@ -42,7 +43,19 @@ def test_no_name_is_of_two_keys_or_a_key_itself():
     assert set(sheet_names.NAMES) <= set(fabric_file.ALL)
 
 
-@pytest.mark.parametrize("name", ["Weight [g/m2]", "Areal density (g/m²)", "areal_density [g/m^2]"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Weight [g/m2]",
+        "Areal density (g/m²)",
+        "areal_density [g/m^2]",
+        "WEIGHT / g/m2",
+        "Areal density, g/m2",
+        "areal-density in g/m2",
+        "Weight: [g/m2]",
+        "Weight gsm",
+    ],
+)
 def test_a_number_alone_has_the_unit_behind_its_name(name, tmp_path):
     rows = PLAIN | {"areal_density": None}
     rows = {
@@ -50,7 +63,31 @@ def test_a_number_alone_has_the_unit_behind_its_name(name, tmp_path):
     }
     values, _ = fabric_file.read_values(sheet(tmp_path, rows))
     value = values["areal_density"]
-    assert value.warp.replace("²", "2").replace("^", "") == "190 g/m2"
+    assert si(value.warp, "kg/m^2") == 0.19
+
+
+@pytest.mark.parametrize(
+    "unit", ["/ 10 cm", "/10cm", "(1/10 cm)", "[/ 10 cm]", ", / 10 cm", "in 1/10cm"]
+)
+def test_a_solidus_is_of_the_unit_where_it_makes_one(unit, tmp_path):
+    rows = {f"Ends/Picks {unit}" if key == "count" else key: cells for key, cells in PLAIN.items()}
+    rows[f"Ends/Picks {unit}"] = ("85", "82")
+    values, _ = fabric_file.read_values(sheet(tmp_path, rows))
+    count = values["count"]
+    assert [si(text, "1/m") for text in (count.warp, count.weft)] == pytest.approx([850, 820])
+
+
+def test_a_unit_of_a_sheet_is_read_as_one_of_any_heading(tmp_path):
+    """`pct` is what instruments write; tables of curves took it, sheets did not."""
+    rows = {key: cells for key, cells in PLAIN.items() if key != "failure_strain"}
+    rows["Elongation at break, pct"] = ("3.3", "3.2")
+    values, _ = fabric_file.read_values(sheet(tmp_path, rows))
+    assert values["failure_strain"].warp == "3.3 %"
+
+
+def test_a_name_that_goes_on_is_no_name(tmp_path):
+    with pytest.raises(InputError, match="Weight of the roll"):
+        fabric_file.read_values(sheet(tmp_path, PLAIN | {"Weight of the roll": ("0.3 kg", "")}))
 
 
 def test_descriptions_are_left_out_and_told(tmp_path, caplog):

@@ -165,3 +165,60 @@ def test_a_sheet_of_two_marks_is_read_where_each_number_is_clear(tmp_path):
     path.write_text(SHEETS["without a blank, commas"].replace("1.44", "1.440"))
     with pytest.raises(wc.InputError, match="they may be decimal commas, or separate thousands"):
         wc.new_fabric(tmp_path / "own.toml", values=path)
+
+
+# two more, with other fibres, headings and units: a polyethylene and a PBO, neither of which is sold
+TO_A_LIMIT = {
+    "polyethylene": """Prüfblatt;Gewebe 7
+Property;Kette;Warp;Weft
+Style;;PE 7;
+Fibre;;UHMWPE;
+Weave;;Plain 1/1;
+Titre / dtex;;880;1320
+Fiber density, kg/m3;;970;
+Tensile modulus [cN/dtex];;1150;1080
+Elongation at break, pct;;3,1;3,0
+Ends/Picks / 10 cm;;98;74
+Thickness in mm;;0,39;
+""",
+    "PBO": """Property, Warp, Fill, source
+# a comment of the maker
+Yarn count [yd/lb], 4460, 4000, sheet
+Yarn breaking force [lbf], 83.3, 90.8, sheet
+density of the fibre / g/cm3, 1.56, , sheet
+Young's modulus (Msi), 26, 25.4, sheet
+Elongation at break (%), 2.9, 2.9, sheet
+Construction per inch, 24, 22, sheet
+Yarn crimp - %, 1.4, 2.1, micrograph
+Basis weight (oz/yd2), 6.38, , sheet
+""",
+}
+# by hand: yarns in a metre, mass of a metre of yarn [kg/m], stiffness [N] and strength [N] of a yarn, of warp and weft
+BY_HAND = {
+    "polyethylene": ((980, 740), (880e-7, 1320e-7), (10120, 14256), (313.7, 427.7)),
+    "PBO": ((944.88, 866.14), (1112.2e-7, 1240.2e-7), (12780, 13922), (370.5, 403.9)),
+}
+
+
+@pytest.mark.slow(25)
+@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
+@pytest.mark.parametrize("sheet", TO_A_LIMIT)
+def test_a_sheet_gets_a_limit_without_an_edit(tmp_path, sheet):
+    (tmp_path / "sheet.csv").write_text(TO_A_LIMIT[sheet], encoding="utf-8")
+    wc.new_fabric(tmp_path / "own.toml", values=tmp_path / "sheet.csv")
+    weave = wc.fabric(tmp_path / "own.toml").weave
+    found = (
+        (weave.warp_count, weave.weft_count),
+        tuple(yarn.linear_density for yarn in weave.yarns),
+        tuple(yarn.EA for yarn in weave.yarns),
+        tuple(yarn.strength for yarn in weave.yarns),
+    )
+    for ours, theirs in zip(found, BY_HAND[sheet]):
+        assert ours == pytest.approx(theirs, rel=2e-2)
+    quick = {"scan": False, "residual_shots": 0, "v50_shots": 0, "tolerance": "30 m/s"}
+    law = {"a": "0.03 mm", "b": "0.04 mm N^(1/3)"}
+    limit = wc.critical_velocity(
+        tmp_path / "own.toml", law=law, opening="26 mm", elements_per_crossover=1, **quick
+    )
+    low, high = limit.bracket
+    assert 20 < low < high <= low + 30
