@@ -306,6 +306,12 @@ def test_a_forge_shows_no_directive_as_text(page):
 
 
 @pytest.mark.parametrize("page", TEXTS)
+def test_no_line_of_a_paragraph_begins_with_a_mark(page):
+    """A reader of Markdown takes such a line as HTML: it ends the paragraph, and links in it are plain text."""
+    assert re.findall(r"^ *<!-- = .*", TEXTS[page], re.MULTILINE) == []
+
+
+@pytest.mark.parametrize("page", TEXTS)
 def test_no_blank_line_ends_a_table(page):
     """A reader of Markdown takes the rows behind it as plain text."""
     lines = [*TEXTS[page].splitlines(), "", ""]
