@@ -85,6 +85,7 @@ class PointLaw(Row):
     implicit_factor = number(
         "-", "stiffness of the implicit contact over `stiffness`; 0: explicit contact"
     )
+    share_drag = number("N s/m", "D of limited shares of a point; 0: plain shares")
 
 
 class Profile(Row, kept=True):
@@ -141,6 +142,10 @@ class Scratch(Row):
     dv_other = array("3, 8", "m/s", "`State.dv_other` at the points")
     dv_contact = array("3, 8", "m/s", "`State.dv_contact` at the points")
     force = array("3, 8", "N", "forces on the points")
+    normal = array("3, 8", "-", "directions of the nose's push on them")
+    push = array("8", "N", "forces along these")
+    closing = array("8", "m/s", "velocities at which the points come nearer to the nose")
+    share_drag = array("8", "s/m", "D / f of their limited shares")
 
 
 class Constants(Row):

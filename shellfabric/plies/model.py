@@ -272,7 +272,11 @@ class Pack:
 
         def of(ply):
             const = self._in_step(ply).constants()
-            law = const.point_law._replace(implicit_factor=self._firmer(self._in_step(ply)))
+            law = const.point_law
+            firmer = self._firmer(self._in_step(ply))
+            # of the plies' spring, of which the nose's is two in a row
+            drag = self.contact.share_ratio * (0.5 * firmer * law.stiffness * law.mass) ** 0.5
+            law = law._replace(implicit_factor=firmer, share_drag=drag)
             return const._replace(dt=self.time_step, point_law=law)
 
         return self._each(of)
@@ -346,6 +350,7 @@ class Pack:
             area_ratio=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
             laws=laws,
             law_cell=law_cell,
+            share_drag=self.contact.share_drag,
             friction=float(self.friction),
             stick_damping=np.array(
                 [self._stick_damping(d * a) for d, a in zip(densities, smallest)]

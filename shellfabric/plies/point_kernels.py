@@ -15,6 +15,7 @@ _JUMP = 0.01  # [thicknesses] in a step that no motion has made
 _FLAT = 1e-12  # squared sine between slopes below which fabric counts as drawn to a line
 _CONVEX = 0.1  # share of the squared area of the slopes that Newton's matrix has to have
 _LEAST_SPEED = 1e-60  # [m/s]
+_LEAST_FORCE = 1e-12  # [N]
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -114,13 +115,14 @@ def unearned(closure, motion, memory, step, thickness):
 @kernel(_nrt=False, forceinline=True)
 def normal_force(pressure, p, area, closure, closing, touching):
     """Return the force [N] of a point of ply p along the normal, eq. (1), and the energy [J] in its
-    spring; 0 unless `touching`.
+    spring, 0 unless `touching`; and D / f [s/m] of its limited shares (`surface.surface_kernels`).
 
     area : that it stands for; closure : [m]; closing : [m/s]
     """
     spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], closure)
     force = area * damped(spring, damping, closing)
-    return where(touching, force, 0.0), where(touching, area * energy, 0.0)
+    drag = pressure.share_drag * area * damping / maximum(force, _LEAST_FORCE)
+    return where(touching, force, 0.0), where(touching, area * energy, 0.0), drag
 
 
 @kernel(_nrt=False, forceinline=True)

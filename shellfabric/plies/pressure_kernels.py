@@ -8,9 +8,10 @@ of both plies, v the velocity of x over y:
     v_t = v - (n.v) n,   g = min(mu f / |v_t|, c_t) v_t                                 (2)
 
 with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields
-at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the front ply by their
-weights in x, f n + g on those of the rear ply by their weights in y: the sum vanishes to the last
-digits. The distance has no sign. So no point has a side, or a past: what keeps plies from passing
+at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the front ply about x,
+f n + g on those of the rear ply about y: the sum vanishes to the last digits. Friction is shared out
+by their weights in x and y, the push f n by limited shares, which call back nodes that run ahead
+(`surface.surface_kernels`). The distance has no sign. So no point has a side, or a past: what keeps plies from passing
 through each other is the guard (`plies.guard_kernels`). A is the area at rest: fabric does not
 contract much below it (`membrane.packing_kernels`).
 
@@ -81,20 +82,26 @@ from shellfabric.surface.nodal_force_kernels import extend_window
 from shellfabric.surface.surface_kernels import (
     facet_foot,
     foot_at,
+    mean_speed8,
     patch8,
     patch_at,
+    point_mean_speed8,
+    point_speeds8,
     point_vector8,
     scatter8,
+    scatter_limited8,
+    scatter_limited_to_points8,
     scatter_to_points8,
     second_slopes8,
     share_out,
+    share_out_limited,
+    speeds8,
     spline_weights8,
     vector_at8,
     vector_of,
 )
 from shellfabric.surface.vector_kernels import (
     add,
-    add_scaled,
     cross,
     difference,
     dot,
@@ -474,29 +481,51 @@ def push(contact, front, rear, area, n, closure, number):
     pressure = contact.pressure
     p, foot = front
     q, closest = rear
-    v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
-    closing = dot(n, v)
+    front_speed = dot(n, vector_of(contact.v, foot))
+    rear_speed = dot(n, vector_of(contact.v, closest))
+    closing = front_speed - rear_speed
     closure = earned_closure(contact, mean_thickness(contact, p, q), number, closure, closing)
-    f, energy = normal_force(pressure, p, area, closure, closing, True)
+    f, energy, drag = normal_force(pressure, p, area, closure, closing, True)
     force = scaled(f, n)
+    front_nodes = pushed_nodes(contact, p, BEHIND, foot)
+    rear_nodes = pushed_nodes(contact, q, BEFORE, closest)
+    slower = min(front_speed, rear_speed)
+    faster = max(front_speed, rear_speed)
+    share_limited(contact, front_nodes, (scaled(-1.0, force), n, (-1.0, slower, drag)))
+    share_limited(contact, rear_nodes, (force, n, (1.0, faster, drag)))
     if pressure.friction > 0.0:
+        v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
         sliding, speed = sliding_velocity(v, closing, n)
         rub = friction_damping(pressure, p, area, f, speed, True)
-        force = add_scaled(force, rub, sliding)
+        share_plain(front_nodes, scaled(0.0 - rub, sliding))
+        share_plain(rear_nodes, scaled(rub, sliding))
         pressure.friction_work[p] += contact.dt * rub * speed * speed
     pressure.spring_energy[p] += energy
     pressure.max_closure[p] = max(pressure.max_closure[p], closure)
-    push_nodes(contact, p, BEHIND, foot, scaled(-1.0, force))
-    push_nodes(contact, q, BEFORE, closest, force)
 
 
 @kernel(_nrt=False, forceinline=True)
-def push_nodes(contact, p, side, foot, force):
-    """Share a force of the plies on one side of ply p out to its nodes."""
+def pushed_nodes(contact, p, side, foot):
+    """Return what a foot on ply p pushes: forces of the plies on one side of it, their window, the foot
+    on its grid, and where its nodes are among those of all plies."""
     pressure = contact.pressure
     i, j, (k, stride), wa, wb = foot
     own = i, j, (k - p * contact.slots_per_ply, stride), wa, wb
-    share_out(pressure.grid_force[p, side], pressure.grid_window[p, side], own, force)
+    return pressure.grid_force[p, side], pressure.grid_window[p, side], own, (k, stride)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_limited(contact, nodes, push):
+    """Share a push out to `pushed_nodes` by limited shares (`surface_kernels.share_out_limited`)."""
+    force, window, foot, at = nodes
+    share_out_limited(force, window, foot, (contact.v, at), push)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_plain(nodes, rub):
+    """Share a friction force out to `pushed_nodes` by their weights."""
+    force, window, foot, _ = nodes
+    share_out(force, window, foot, rub)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -676,22 +705,18 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     I, J, K, za, zb, tall = closest
     S = contact.row_stride[p + 1]
     which = mask_from_bits(touching)
-    v_p = point_vector8(contact.v, nodes, wa, wb)
-    v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
-    closing = dot(n, v)
+    front_speeds = point_speeds8(contact.v, nodes, n)
+    rear_speeds = speeds8(contact.v, (K, S, tall), n)
+    front_speed = point_mean_speed8(front_speeds, wa, wb)
+    rear_speed = mean_speed8(rear_speeds, za, zb)
+    closing = front_speed - rear_speed
     thickness = mean_thickness(contact, p, p + 1)
     closure = earned_closure8(contact, thickness, points, closure, closing, which)
-    f, energy = normal_force(pressure, p, area, closure, closing, which)
-    force = scaled(f, n)
-    if pressure.friction > 0.0:
-        sliding, speed = sliding_velocity(v, closing, n)
-        rub = friction_damping(pressure, p, area, f, speed, which)
-        force = add_scaled(force, rub, sliding)
-        pressure.friction_work[p] += contact.dt * reduce_add(rub * speed * speed)
+    f, energy, drag = normal_force(pressure, p, area, closure, closing, which)
     pressure.spring_energy[p] += reduce_add(energy)
     deepest = reduce_max(where(which, closure, 0.0))
     pressure.max_closure[p] = max(pressure.max_closure[p], deepest)
-    if not any_lane(greater(fabs(force[0]) + fabs(force[1]) + fabs(force[2]), 0.0)):
+    if not any_lane(greater(f, 0.0)):
         return
     ahead = pressure.grid_window[p, BEHIND]
     extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.nj[p] + 2))
@@ -701,9 +726,26 @@ def push8(contact, front, closest, area, n, closure, touching, points):
         rows = 4
     last = min(J + WIDTH + 3, contact.nj[p + 1] + 2)
     extend_window(behind, I, I + rows, max(J, -1), last)
-    own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
     at = nodes[0] - p * contact.slots_per_ply, nodes[1]
     behind_at = K - (p + 1) * contact.slots_per_ply, S, tall
-    for c in range(3):
-        scatter_to_points8(pressure.grid_force[p, BEHIND, c], at, 0.0 - force[c], own)
-        scatter8(pressure.grid_force[p + 1, BEFORE, c], behind_at, force[c], (za, zb))
+    front_force = pressure.grid_force[p, BEHIND]
+    rear_force = pressure.grid_force[p + 1, BEFORE]
+    force = scaled(f, n)
+    back = scaled(-1.0, force)
+    slower = minimum(front_speed, rear_speed)
+    faster = maximum(front_speed, rear_speed)
+    scatter_limited_to_points8(
+        front_force, at, (wa, wb), front_speeds, (back, (-1.0, slower, drag))
+    )
+    scatter_limited8(rear_force, behind_at, (za, zb), rear_speeds, (force, (1.0, faster, drag)))
+    if pressure.friction > 0.0:
+        v_p = point_vector8(contact.v, nodes, wa, wb)
+        v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
+        sliding, speed = sliding_velocity(v, closing, n)
+        rub = friction_damping(pressure, p, area, f, speed, which)
+        pressure.friction_work[p] += contact.dt * reduce_add(rub * speed * speed)
+        own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
+        pull = scaled(rub, sliding)
+        for c in range(3):
+            scatter_to_points8(front_force[c], at, 0.0 - pull[c], own)
+            scatter8(rear_force[c], behind_at, pull[c], (za, zb))

@@ -138,6 +138,7 @@ class Pressure(Row):
         "beyond",
     )
     law_cell = array("plies - 1", "m", "width of a cell")
+    share_drag = number("-", "D of limited shares over the damping of a point; 0: plain shares")
     friction = number("-", "Coulomb friction coefficient between plies")
     stick_damping = array(
         "plies - 1", "N s/m", "damping of a contact point below the limit of friction"

@@ -33,6 +33,7 @@ def constants(
             damping=2 * damping * penalty**0.5 * mass / points**2 / dt,
             mass=mass / points**2,
             implicit_factor=0.0,
+            share_drag=0.0,
         ),
     }
 

@@ -9,7 +9,8 @@ surface of `surface.surface_kernels`. A point with distance < 0 has
     f = max(0, -k distance - c n.(v - v_p)) n                                 (1)
 
 and the friction of `contact.friction_kernels`; its nodes share the force by their N_i, and the projectile
-gets its opposite. Where yarns have failed, k and c are those of what is left of the two next to a
+gets its opposite. In packs the push along n is shared out by limited shares, with the nose's own
+velocity as that of the other surface. Where yarns have failed, k and c are those of what is left of the two next to a
 point.
 
 In packs the spring is const.point_law.implicit_factor times as stiff, and its force is that of the
@@ -39,6 +40,7 @@ from shellfabric.jit.simd import (
     maximum,
     minimum,
     movemask,
+    reduce_add,
     store,
     where,
 )
@@ -58,9 +60,13 @@ from shellfabric.surface.grid_kernels import grid_of, to_nodes, turned, turned_b
 from shellfabric.surface.nodal_force_kernels import bounds, extend_window, half_step_work
 from shellfabric.surface.surface_kernels import (
     foot_at,
+    point_mean_speed8,
+    point_speeds8,
     point_vector8,
+    scatter_limited_to_points8,
     scatter_to_points8,
     share_out,
+    share_out_limited,
     vector_of,
 )
 from shellfabric.surface.torn_kernels import WHOLE, bent_corners, torn_foot
@@ -74,6 +80,7 @@ from shellfabric.surface.vector_kernels import (
     subtract,
 )
 
+MIN_PUSH = 1e-12  # [N] that limits shares
 MIN_FORCE_SCALE = 1e-30  # [N] force of a point of a nose that does not push yet
 
 
@@ -287,10 +294,28 @@ def touch_together(state, const, points, whole, work):
         if touched >> lane & 1:
             contact_point(state, const, i, j + lane, number, lane, work)
     extend_window(surface.window, row, row + 3, line, min(line + WIDTH + 2, const.nj + 2))
+    which = mask_from_bits(touched)
+    force = (
+        where(which, load(work.force[0], 0), 0.0),
+        where(which, load(work.force[1], 0), 0.0),
+        where(which, load(work.force[2], 0), 0.0),
+    )
+    if const.point_law.share_drag > 0.0:
+        n = load(work.normal[0], 0), load(work.normal[1], 0), load(work.normal[2], 0)
+        push = where(which, load(work.push, 0), 0.0)
+        along = scaled(push, n)
+        speeds = point_speeds8(surface.v, nodes, n)
+        speed = point_mean_speed8(speeds, wa, wb)
+        limit = 1.0, speed + maximum(load(work.closing, 0), 0.0), load(work.share_drag, 0)
+        went = scatter_limited_to_points8(surface.f, nodes, (wa, wb), speeds, (along, limit))
+        # the work was counted with the mean by the plain shares
+        work.contact_work -= 0.5 * const.dt * reduce_add(push * (went - speed))
+        if const.friction == 0.0:
+            return
+        force = subtract(force, along)
     own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
     for c in range(3):
-        force = where(mask_from_bits(touched), load(work.force[c], 0), 0.0)
-        scatter_to_points8(surface.f[c], nodes, force, own)
+        scatter_to_points8(surface.f[c], nodes, force[c], own)
 
 
 @unit(work=Scratch)
@@ -310,7 +335,22 @@ def touch_alone(state, const, i, j, number, lane, work):
         store_point(work.dv_other, lane, vector_of(state.dv_other, foot))
         store_point(work.dv_contact, lane, vector_of(state.dv_contact, foot))
     contact_point(state, const, i, j, number, lane, work)
-    share_out(surface.f, surface.window, foot, column(work.force, 0, lane))
+    force = column(work.force, 0, lane)
+    if const.point_law.share_drag > 0.0:
+        n = column(work.normal, 0, lane)
+        push = work.push[lane]
+        along = scaled(push, n)
+        speed = dot(n, vector_of(surface.v, foot))
+        limit = 1.0, speed + max(work.closing[lane], 0.0), work.share_drag[lane]
+        at = foot[2]
+        went = share_out_limited(
+            surface.f, surface.window, foot, (surface.v, at), (along, n, limit)
+        )
+        work.contact_work -= 0.5 * const.dt * push * (went - speed)
+        if const.friction == 0.0:
+            return
+        force = subtract(force, along)
+    share_out(surface.f, surface.window, foot, force)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -350,6 +390,7 @@ def contact_point(state, const, i, j, number, lane, work):
     last = state.last_contact_force[number]
     before = last[e]
     store_point(work.force, lane, (0.0, 0.0, 0.0))
+    work.push[lane] = 0.0
     place = column(work.place, 0, lane)
     foot = 0.0, 0.0
     if const.nose.kind == sdf_kernels.PROFILE:
@@ -398,6 +439,10 @@ def contact_point(state, const, i, j, number, lane, work):
             state.max_penetration = max(state.max_penetration, -depth)
     force = scaled(push, normal)
     last[e] = push
+    store_point(work.normal, lane, normal)
+    work.push[lane] = push
+    work.closing[lane] = 0.0 - dot(normal, v)
+    work.share_drag[lane] = part * law.share_drag / max(push, MIN_PUSH)
     rubbed = 0.0
     if const.friction > 0.0:
         slip = state.friction_slip[e, number]

@@ -15,14 +15,37 @@ yarns end (`surface.torn_kernels`).
 
 The foot of a point is what its surface follows from: the row and column of the first of three by
 three nodes, (number of that node, numbers from row to row), and weights along both axes. Forces are
-shared out by the same weights: the transpose of the interpolation.
+shared out by the same weights M: the transpose of the interpolation.
+
+Limited shares. Mass is lumped at single nodes, so that a push f along n on a few nodes at the tip of
+a nose has them run ahead of the surface, and one-sided contact never calls them back. Of the push
+between plies of a pack, and of the nose on them, a node has the share
+
+    s_j = M_j t_j / sum(M t),    t_j = max(1 - D (n.v_j - u)+ / f, LEAST_PART)             (1)
+
+with the velocity u from which on it runs ahead: the larger one of both surfaces along the push. The
+sum of the shares is 1, so that momentum is kept. Shares fall where velocities rise; by Chebyshev's
+inequality the power f sum((s - M) n.v) is then at most 0: energy is taken, never given. A node that
+runs ahead feels a damper of D M_j, stable with D dt / m < 2. D : `plies.numerics.PlyContact`.
 """
 
 import math
 
 from shellfabric.jit.compile import kernel
-from shellfabric.jit.simd import WIDTH, broadcast, fma, load, shift_in_prev, store, where
+from shellfabric.jit.simd import (
+    WIDTH,
+    broadcast,
+    fma,
+    load,
+    maximum,
+    shift_in_prev,
+    store,
+    where,
+)
 from shellfabric.surface.nodal_force_kernels import extend_window
+from shellfabric.surface.vector_kernels import dot, nodal
+
+LEAST_PART = 1e-6  # of a share, so that a push always goes to some node
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -94,6 +117,47 @@ def share_out(f, window, foot, force):
         for m in range(3):
             for n in range(3):
                 f[c][k + m * stride + n] += force[c] * wa[m] * wb[n]
+
+
+@kernel(_nrt=False, forceinline=True)
+def part_left(speed, limit):
+    """Compute the part t of its share that a node keeps, or eight, eq. (1).
+
+    speed : [m/s] along the normal
+    limit : sign of the push along the normal, the speed from which on a node runs ahead of it, D / f
+        [s/m]
+    """
+    sign, of_push, drag = limit
+    return maximum(1.0 - drag * maximum(sign * (speed - of_push), 0.0), LEAST_PART)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_out_limited(f, window, foot, v, push):
+    """Share a push at a foot out to the nodes, whose window grows, by limited shares. Return the mean
+    of the nodes' speeds [m/s] along the normal by these shares.
+
+    f : on the grid of the foot; v : the nodes' velocities, and the numbers of those of the foot there
+    push : its force, the normal, and what limits the shares (`part_left`)
+    """
+    i, j, (k, stride), wa, wb = foot
+    velocities, (first, along) = v
+    force, n, limit = push
+    extend_window(window, i, i + 3, j, j + 3)
+    total = 0.0
+    mean = 0.0
+    for m in range(3):
+        for o in range(3):
+            speed = dot(n, nodal(velocities, first + m * along + o))
+            share = wa[m] * wb[o] * part_left(speed, limit)
+            total += share
+            mean += share * speed
+    for m in range(3):
+        for o in range(3):
+            speed = dot(n, nodal(velocities, first + m * along + o))
+            share = wa[m] * wb[o] * part_left(speed, limit) / total
+            for c in range(3):
+                f[c][k + m * stride + o] += force[c] * share
+    return mean / total
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -294,3 +358,141 @@ def scatter_to_points8(f, at, force, weights):
     wa, wb = weights
     for m in range(3):
         scatter_row8(f, k + m * s, force * wa[m], wb)
+
+
+@kernel(_nrt=False, forceinline=True)
+def speed8(v, k, n):
+    """Compute the speeds along the normal n of eight nodes from number k on."""
+    return fma(n[0], load(v[0], k), fma(n[1], load(v[1], k), n[2] * load(v[2], k)))
+
+
+@kernel(_nrt=False, forceinline=True)
+def speeds_row3(v, k, n):
+    """Compute `speed8` of three nodes in a row."""
+    return speed8(v, k, n), speed8(v, k + 1, n), speed8(v, k + 2, n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def speeds_row4(v, k, n):
+    """Compute `speed8` of four nodes in a row."""
+    return speed8(v, k, n), speed8(v, k + 1, n), speed8(v, k + 2, n), speed8(v, k + 3, n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def point_speeds8(v, at, n):
+    """Compute the speeds along the normal of the three by three nodes of `point_mean8`, by rows."""
+    k, s = at
+    return speeds_row3(v, k, n), speeds_row3(v, k + s, n), speeds_row3(v, k + 2 * s, n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def speeds8(v, at, n):
+    """Compute the speeds along the normal of the four by four nodes of `interpolate8`, by rows."""
+    k, s, tall = at
+    none = broadcast(0.0)
+    last = none, none, none, none
+    if tall:
+        last = speeds_row4(v, k + 3 * s, n)
+    return speeds_row4(v, k, n), speeds_row4(v, k + s, n), speeds_row4(v, k + 2 * s, n), last
+
+
+@kernel(_nrt=False, forceinline=True)
+def mean_row3(speeds, w):
+    """Compute the mean of three speeds by weights."""
+    return fma(w[0], speeds[0], fma(w[1], speeds[1], w[2] * speeds[2]))
+
+
+@kernel(_nrt=False, forceinline=True)
+def point_mean_speed8(speeds, wa, wb):
+    """Compute the mean of `point_speeds8` by the weights of the points."""
+    low = wa[0] * mean_row3(speeds[0], wb)
+    return fma(wa[2], mean_row3(speeds[2], wb), fma(wa[1], mean_row3(speeds[1], wb), low))
+
+
+@kernel(_nrt=False, forceinline=True)
+def mean_speed8(speeds, wa, wb):
+    """Compute the mean of `speeds8` by the weights of the points."""
+    return weighted_sum(
+        wa,
+        weighted_sum(wb, *speeds[0]),
+        weighted_sum(wb, *speeds[1]),
+        weighted_sum(wb, *speeds[2]),
+        weighted_sum(wb, *speeds[3]),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def shares_row3(w, wb, speeds, limit):
+    """Compute M t of three nodes in a row of the weight w, and none of a fourth."""
+    return (
+        w * (wb[0] * part_left(speeds[0], limit)),
+        w * (wb[1] * part_left(speeds[1], limit)),
+        w * (wb[2] * part_left(speeds[2], limit)),
+        0.0,
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def shares_row4(w, wb, speeds, limit):
+    """Compute M t of four nodes in a row of the weight w."""
+    return (
+        w * (wb[0] * part_left(speeds[0], limit)),
+        w * (wb[1] * part_left(speeds[1], limit)),
+        w * (wb[2] * part_left(speeds[2], limit)),
+        w * (wb[3] * part_left(speeds[3], limit)),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def sum_row(row):
+    """Sum the four numbers of a row."""
+    return (row[0] + row[1]) + (row[2] + row[3])
+
+
+@kernel(_nrt=False, forceinline=True)
+def scatter_limited_to_points8(f, at, weights, speeds, push):
+    """Share eight pushes out to the nodes of `point_mean8` by limited shares, as `share_out_limited`
+    does. Return the mean of the nodes' speeds by these shares.
+
+    speeds : `point_speeds8`; push : the forces, and what limits the shares (`part_left`)
+    """
+    k, s = at
+    wa, wb = weights
+    force, limit = push
+    low = shares_row3(wa[0], wb, speeds[0], limit)
+    middle = shares_row3(wa[1], wb, speeds[1], limit)
+    high = shares_row3(wa[2], wb, speeds[2], limit)
+    whole = 1.0 / (sum_row(low) + sum_row(middle) + sum_row(high))
+    for c in range(3):
+        part = force[c] * whole
+        scatter_row8(f[c], k, part, low)
+        scatter_row8(f[c], k + s, part, middle)
+        scatter_row8(f[c], k + 2 * s, part, high)
+    mean = mean_row3(speeds[0], low) + mean_row3(speeds[1], middle) + mean_row3(speeds[2], high)
+    return whole * mean
+
+
+@kernel(_nrt=False, forceinline=True)
+def scatter_limited8(f, at, weights, speeds, push):
+    """Share eight pushes out to the nodes of `interpolate8` by limited shares, as
+    `share_out_limited` does; speeds : `speeds8`."""
+    k, s, tall = at
+    wa, wb = weights
+    force, limit = push
+    low = shares_row4(wa[0], wb, speeds[0], limit)
+    middle = shares_row4(wa[1], wb, speeds[1], limit)
+    high = shares_row4(wa[2], wb, speeds[2], limit)
+    total = sum_row(low) + sum_row(middle) + sum_row(high)
+    none = broadcast(0.0)
+    last = none, none, none, none
+    if tall:
+        last = shares_row4(wa[3], wb, speeds[3], limit)
+        total = total + sum_row(last)
+    whole = 1.0 / total
+    for c in range(3):
+        part = force[c] * whole
+        scatter_row8(f[c], k, part, low)
+        scatter_row8(f[c], k + s, part, middle)
+        scatter_row8(f[c], k + 2 * s, part, high)
+        if tall:
+            scatter_row8(f[c], k + 3 * s, part, last)

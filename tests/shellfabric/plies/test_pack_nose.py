@@ -25,7 +25,7 @@ PER = 8
 
 def law(mass):
     """The constants of a point, of which only the mass is needed."""
-    return PointLaw(stiffness=0.0, damping=0.0, mass=mass, implicit_factor=0.0)
+    return PointLaw(stiffness=0.0, damping=0.0, mass=mass, implicit_factor=0.0, share_drag=0.0)
 
 
 def shares():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest_tools import Pressed, grid
 from numpy.testing import assert_allclose
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 
 from fabrics import catalogue
 from fabrics.ply_law import PlyLaw
@@ -81,9 +81,15 @@ def spline(x, a, b):
     return surface_at(x, a, b), weights
 
 
+def limited(weights, along, of_push, drag):
+    """Shares of nodes that run `along` a push [m/s], of which those faster than `of_push` get less."""
+    shares = weights[..., 0] * np.maximum(1 - drag * np.maximum(along - of_push, 0), 1e-6)
+    return shares[..., None] / shares.sum()
+
+
 def plain(pressed):
     """Forces on the first two plies (of one frame) and the spring energy, point by point: the closest point by
-    minimising the distance."""
+    minimising the distance, and limited shares."""
     pack = pressed.pack
     contact = pressed.contact
     (law,), density, n, grids, speeds = (
@@ -122,29 +128,31 @@ def plain(pressed):
             ]
 
             def off(p, at=at):
-                return at - surface_at(y, *p)
+                return 1e3 * (at - surface_at(y, *p))
 
-            def squared_distance(p, off=off):
-                return 1e6 * np.sum(off(p) ** 2)
-
-            foot = minimize(squared_distance, guess, tol=1e-11, method="Nelder-Mead").x
-            distance = np.linalg.norm(off(foot))
+            foot = least_squares(off, guess, method="lm", xtol=1e-12, ftol=1e-14).x
+            offset = 1e-3 * off(foot)
+            distance = np.linalg.norm(offset)
             closure = pressed.thickness - distance
             if closure <= 0:
                 continue
-            normal = -off(foot) / distance
+            normal = -offset / distance
             opposite = spline(y, *foot)[1]
-            v = (weights * speeds[0]).sum(axis=(0, 1)) - (opposite * speeds[1]).sum(axis=(0, 1))
+            front, rear = (v @ normal for v in speeds)
+            front_mean = (weights[..., 0] * front).sum()
+            rear_mean = (opposite[..., 0] * rear).sum()
             slope = (law.pressure_at(closure + 1e-12) - law.pressure_at(closure)) / 1e-12
             damping = pack.contact.damping * np.sqrt(slope * density)
-            f = (
-                areas[i // n, j // n]
-                * max(0.0, law.pressure_at(closure) + damping * normal @ v)
-                * normal
-            )
+            pressure = law.pressure_at(closure) + damping * (front_mean - rear_mean)
             energy += areas[i // n, j // n] * law.energy_at(closure)
-            forces[0] -= weights * f
-            forces[1] += opposite * f
+            if pressure <= 0:
+                continue
+            f = areas[i // n, j // n] * pressure * normal
+            drag = 1.35 / (pack.contact.courant * pack.contact.damping) * damping / pressure
+            slower = min(front_mean, rear_mean)
+            faster = max(front_mean, rear_mean)
+            forces[0] -= limited(weights, -front, -slower, drag) * f
+            forces[1] += limited(opposite, rear, faster, drag) * f
     return *(without_ghosts(f, const) for f, const in zip(forces, pressed.consts)), energy
 
 
@@ -275,10 +283,13 @@ def test_the_contact_remembers_nothing(ply, angle):
             assert_allclose(mine, expected, atol=1e-3 * abs(expected).max())
 
 
-def test_forces_and_their_moments_vanish(ply):
-    """Along the line between both points: also about the third axis, and of torn fabric."""
+@pytest.mark.parametrize("damping, within", [(0.0, 1e-8), (0.7, 2e-2)])
+def test_forces_and_their_moments_vanish(ply, damping, within):
+    """Along the line between both points: also about the third axis, and of torn fabric. Limited shares move a push
+    within the nodes of its point: the forces vanish, of the moments what is left of random nodes' velocities."""
     panel = replace(ply, symmetry="whole", opening=(0.02, 0.02))
-    pressed = Pressed(Pack((panel, panel), (0.05e-3,))).bulge(np.random.default_rng(6), 0.2e-3)
+    pack = Pack((panel, panel), (0.05e-3,), PlyContact(damping=damping))
+    pressed = Pressed(pack).bulge(np.random.default_rng(6), 0.2e-3)
     tear(pressed, 0, slice(4, 7))
     forces = pressed.press(3)
     sums = 0.0
@@ -292,7 +303,7 @@ def test_forces_and_their_moments_vanish(ply):
         moments = moments + np.cross(x, f).sum(axis=(0, 1))
     size = abs(forces[0]).sum()
     assert_allclose(sums, 0.0, atol=1e-13 * size)
-    assert_allclose(moments, 0.0, atol=1e-6 * size * 0.01)
+    assert_allclose(moments, 0.0, atol=within * size)
 
 
 class Flat(Pressed):
@@ -412,7 +423,7 @@ def test_a_pack_that_tears_stays_mirror_symmetric():
     setup = ImpactSetup(
         catalogue.load("S-728"), 350.0, projectile=chisel, opening=0.08, plies=8, symmetry="half"
     )
-    solver = PackSolver(setup.target(setup.table(kept=True)), 350.0, 16e-6).run()
+    solver = PackSolver(setup.target(setup.table(kept=True)), 350.0, 19e-6).run()
     assert solver.held_apart > 0
     assert sum(int(state.failures) for state in solver.states) > 40
     for _, const, state in solver.plies:

@@ -23,9 +23,9 @@ S726 = catalogue.load("S-726").with_effective_density()
 SHOT = ImpactSetup(
     S726,
     300.0,
-    plies=4,
-    opening=0.04,
-    elements_per_crossover=1,
+    plies=3,
+    opening=0.03,
+    elements_per_crossover=2,
     table_size=41,
     numerics=Numerics(threads=1),
 )

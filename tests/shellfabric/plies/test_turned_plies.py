@@ -14,7 +14,7 @@ from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.frame_kernels import BEFORE, BEHIND
-from shellfabric.plies.model import at_angle
+from shellfabric.plies.model import PlyContact, at_angle
 from shellfabric.projectile.projectile import Projectile
 
 # round, and so small a time that no wave comes back from the edge: what is left of the opening turns with nothing
@@ -109,11 +109,15 @@ def test_angles_of_either_sign_mirror_each_other():
     assert alike(run_impact(laid(0, 45, 20)), run_impact(laid(0, -45, -20)))
 
 
-def test_forces_between_turned_plies_balance():
+@pytest.mark.parametrize("damping, within", [(0.0, 1e-3), (0.7, 1e-2)])
+def test_forces_between_turned_plies_balance(damping, within):
     """Their sum vanishes to round-off, and without friction, which acts half a thickness away, their moment about the
-    impact axis as far as closest points have been found."""
+    impact axis as far as closest points have been found; limited shares, which go with damping, move a push among the
+    nodes of its point."""
     aslant = Projectile(obliquity=radians(35), azimuth=radians(50))
-    solver = PackSolver(laid(0, 30, projectile=aslant, ply_friction=1e-9).target(), 260.0, 12e-6)
+    pack = laid(0, 30, projectile=aslant, ply_friction=1e-9).target()
+    pack = replace(pack, contact=PlyContact(damping=damping))
+    solver = PackSolver(pack, 260.0, 12e-6)
     solver.run()
     total = np.zeros(3)
     moment = 0.0
@@ -134,7 +138,7 @@ def test_forces_between_turned_plies_balance():
     push = abs(f[:, 2]).sum()
     assert np.hypot(f[:, 0].sum(), f[:, 1].sum()) > 0.01 * push > 0.01
     assert_allclose(total, 0.0, atol=1e-12 * push)
-    assert abs(moment) < 1e-3 * size
+    assert abs(moment) < within * size
 
 
 def test_an_oblique_weave_is_turned_with_its_ply():

@@ -21,7 +21,8 @@ from shellfabric.surface.surface_kernels import foot_at, vector_of
 
 def shaken(panel, firm):
     """(state, constants) of a panel with its nodes out of place, a projectile that has gone a little into it, and all
-    that moving; with firm springs also what they foresee, and by what they sped up the nodes a step ago."""
+    that moving; with firm springs, of a nose no faster than the nodes, also what they foresee, and by what they sped up
+    the nodes a step ago."""
     rng = np.random.default_rng(0)
     state = panel.state(100.0)
     const = panel.constants()
@@ -34,7 +35,10 @@ def shaken(panel, firm):
     due = 3.0 * rng.normal(size=size)
     given = 5.0 * rng.normal(size=size)
     state.last_contact_force[:] = rng.random(state.last_contact_force.shape)
-    law = const.point_law._replace(implicit_factor=16.0)
+    state.projectile_velocity[:] = 0.2, -0.1, 0.4
+    law = const.point_law
+    drag = 3.0 * (8.0 * law.stiffness * law.mass) ** 0.5
+    law = law._replace(implicit_factor=16.0, share_drag=drag)
     return foresee(state, const, due, given), const._replace(point_law=law)
 
 
@@ -100,9 +104,21 @@ def plain_weights(state, const, i, j, s, t):
     }
 
 
+def limited(shares, v, push, size, drag):
+    """Shares of the nodes of a point, of which those that run ahead of surface and nose along a push get less; v : over
+    that of the nose."""
+    mean = sum(w * v[k] for k, w in shares.items()) @ push
+    found = {}
+    for k, w in shares.items():
+        ahead = max(v[k] @ push - max(mean, 0.0), 0.0)
+        found[k] = w * max(1 - drag * ahead / size, 1e-6)
+    whole = sum(found.values())
+    return {k: w / whole for k, w in found.items()}
+
+
 def plain_contact(panel, state, const):
     """What the kernel does without friction, point by point, on a panel without mirrors. A state that foresees other
-    forces has firm springs; the sizes of those of a step ago count in them alone."""
+    forces has firm springs and limited shares; the sizes of those of a step ago count in them alone."""
     force = np.zeros((const.ni + 1, const.nj + 1, 3))
     work = 0.0
     spring = 0.0
@@ -156,6 +172,10 @@ def plain_contact(panel, state, const):
                     else:
                         f = max(-c * normal @ moving - k * depth, 0.0)
                     spring += 0.5 * -depth * (min(f, -k * depth) if firm else -k * depth)
+                    if firm and f > 0.0:
+                        drag = part * const.point_law.share_drag
+                        shares = limited(shares, v, normal, f, drag)
+                        moving = sum(w * v[m] for m, w in shares.items())
                     f = f * normal
                     work -= 0.5 * const.dt * f @ moving
                     for k, w in shares.items():
@@ -207,9 +227,11 @@ def test_kernel_is_its_plain_twin(cuts, shape, firm):
 
 @pytest.mark.parametrize("firm", [False, True])
 def test_at_the_edges_of_a_panel_the_kernel_is_its_plain_twin(firm):
-    """Its ghosts go straight on, and hand their forces back: the nose is over a corner of a small panel."""
+    """Its ghosts go straight on, and hand their forces back: the nose is over a corner of a small panel. Shares are
+    plain: limited ones are the ghosts' own, which the twin does not have."""
     panel = make_panel(12e-3, symmetry="whole", projectile=Projectile(shape="hemisphere"))
     state, const = shaken(panel, firm)
+    const = const._replace(point_law=const.point_law._replace(share_drag=0.0))
     state.projectile_position[:2] = const.x0 + const.dx, const.y0 + const.dy
     assert abs(force_of_both(panel, state, const)[0, 0]).max() > 0
 
