@@ -85,8 +85,9 @@ from shellfabric.surface.surface_kernels import (
     mean_speed8,
     patch8,
     patch_at,
-    point_mean_speed8,
+    point_mean_speed,
     point_speeds8,
+    point_tilt,
     point_vector8,
     scatter8,
     scatter_limited8,
@@ -96,7 +97,9 @@ from shellfabric.surface.surface_kernels import (
     share_out,
     share_out_limited,
     speeds8,
+    speeds_at,
     spline_weights8,
+    tilt8,
     vector_at8,
     vector_of,
 )
@@ -481,51 +484,48 @@ def push(contact, front, rear, area, n, closure, number):
     pressure = contact.pressure
     p, foot = front
     q, closest = rear
-    front_speed = dot(n, vector_of(contact.v, foot))
-    rear_speed = dot(n, vector_of(contact.v, closest))
+    front_speeds, front_speed, front_tilt = moving(contact, foot, n)
+    rear_speeds, rear_speed, rear_tilt = moving(contact, closest, n)
     closing = front_speed - rear_speed
     closure = earned_closure(contact, mean_thickness(contact, p, q), number, closure, closing)
     f, energy, drag = normal_force(pressure, p, area, closure, closing, True)
     force = scaled(f, n)
     front_nodes = pushed_nodes(contact, p, BEHIND, foot)
     rear_nodes = pushed_nodes(contact, q, BEFORE, closest)
-    slower = min(front_speed, rear_speed)
-    faster = max(front_speed, rear_speed)
-    share_limited(contact, front_nodes, (scaled(-1.0, force), n, (-1.0, slower, drag)))
-    share_limited(contact, rear_nodes, (force, n, (1.0, faster, drag)))
+    tilt = min(front_tilt, rear_tilt)
+    slower = min(front_speed, rear_speed) - tilt
+    faster = max(front_speed, rear_speed) + tilt
+    back = scaled(-1.0, force)
+    share_out_limited(*front_nodes, front_speeds, (back, (-1.0, slower, drag)))
+    share_out_limited(*rear_nodes, rear_speeds, (force, (1.0, faster, drag)))
     if pressure.friction > 0.0:
         v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
         sliding, speed = sliding_velocity(v, closing, n)
         rub = friction_damping(pressure, p, area, f, speed, True)
-        share_plain(front_nodes, scaled(0.0 - rub, sliding))
-        share_plain(rear_nodes, scaled(rub, sliding))
+        share_out(*front_nodes, scaled(0.0 - rub, sliding))
+        share_out(*rear_nodes, scaled(rub, sliding))
         pressure.friction_work[p] += contact.dt * rub * speed * speed
     pressure.spring_energy[p] += energy
     pressure.max_closure[p] = max(pressure.max_closure[p], closure)
 
 
 @kernel(_nrt=False, forceinline=True)
+def moving(contact, foot, n):
+    """Return how the nodes about a foot move along the normal: their speeds, the mean of these, and
+    their tilt."""
+    _, _, at, wa, wb = foot
+    speeds = speeds_at(contact.v, at, n)
+    return speeds, point_mean_speed(speeds, wa, wb), point_tilt(speeds, wa, wb)
+
+
+@kernel(_nrt=False, forceinline=True)
 def pushed_nodes(contact, p, side, foot):
-    """Return what a foot on ply p pushes: forces of the plies on one side of it, their window, the foot
-    on its grid, and where its nodes are among those of all plies."""
+    """Return what a foot on ply p pushes: forces of the plies on one side of it, their window, and
+    the foot on its grid."""
     pressure = contact.pressure
     i, j, (k, stride), wa, wb = foot
     own = i, j, (k - p * contact.slots_per_ply, stride), wa, wb
-    return pressure.grid_force[p, side], pressure.grid_window[p, side], own, (k, stride)
-
-
-@kernel(_nrt=False, forceinline=True)
-def share_limited(contact, nodes, push):
-    """Share a push out to `pushed_nodes` by limited shares (`surface_kernels.share_out_limited`)."""
-    force, window, foot, at = nodes
-    share_out_limited(force, window, foot, (contact.v, at), push)
-
-
-@kernel(_nrt=False, forceinline=True)
-def share_plain(nodes, rub):
-    """Share a friction force out to `pushed_nodes` by their weights."""
-    force, window, foot, _ = nodes
-    share_out(force, window, foot, rub)
+    return pressure.grid_force[p, side], pressure.grid_window[p, side], own
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -707,7 +707,7 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     which = mask_from_bits(touching)
     front_speeds = point_speeds8(contact.v, nodes, n)
     rear_speeds = speeds8(contact.v, (K, S, tall), n)
-    front_speed = point_mean_speed8(front_speeds, wa, wb)
+    front_speed = point_mean_speed(front_speeds, wa, wb)
     rear_speed = mean_speed8(rear_speeds, za, zb)
     closing = front_speed - rear_speed
     thickness = mean_thickness(contact, p, p + 1)
@@ -732,8 +732,9 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     rear_force = pressure.grid_force[p + 1, BEFORE]
     force = scaled(f, n)
     back = scaled(-1.0, force)
-    slower = minimum(front_speed, rear_speed)
-    faster = maximum(front_speed, rear_speed)
+    tilt = minimum(point_tilt(front_speeds, wa, wb), tilt8(rear_speeds, za, zb))
+    slower = minimum(front_speed, rear_speed) - tilt
+    faster = maximum(front_speed, rear_speed) + tilt
     scatter_limited_to_points8(
         front_force, at, (wa, wb), front_speeds, (back, (-1.0, slower, drag))
     )

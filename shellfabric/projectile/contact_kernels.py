@@ -60,13 +60,14 @@ from shellfabric.surface.grid_kernels import grid_of, to_nodes, turned, turned_b
 from shellfabric.surface.nodal_force_kernels import bounds, extend_window, half_step_work
 from shellfabric.surface.surface_kernels import (
     foot_at,
-    point_mean_speed8,
+    point_mean_speed,
     point_speeds8,
     point_vector8,
     scatter_limited_to_points8,
     scatter_to_points8,
     share_out,
     share_out_limited,
+    speeds_at,
     vector_of,
 )
 from shellfabric.surface.torn_kernels import WHOLE, bent_corners, torn_foot
@@ -305,7 +306,7 @@ def touch_together(state, const, points, whole, work):
         push = where(which, load(work.push, 0), 0.0)
         along = scaled(push, n)
         speeds = point_speeds8(surface.v, nodes, n)
-        speed = point_mean_speed8(speeds, wa, wb)
+        speed = point_mean_speed(speeds, wa, wb)
         limit = 1.0, speed + maximum(load(work.closing, 0), 0.0), load(work.share_drag, 0)
         went = scatter_limited_to_points8(surface.f, nodes, (wa, wb), speeds, (along, limit))
         # the work was counted with the mean by the plain shares
@@ -340,12 +341,11 @@ def touch_alone(state, const, i, j, number, lane, work):
         n = column(work.normal, 0, lane)
         push = work.push[lane]
         along = scaled(push, n)
-        speed = dot(n, vector_of(surface.v, foot))
+        _, _, at, wa, wb = foot
+        speeds = speeds_at(surface.v, at, n)
+        speed = point_mean_speed(speeds, wa, wb)
         limit = 1.0, speed + max(work.closing[lane], 0.0), work.share_drag[lane]
-        at = foot[2]
-        went = share_out_limited(
-            surface.f, surface.window, foot, (surface.v, at), (along, n, limit)
-        )
+        went = share_out_limited(surface.f, surface.window, foot, speeds, (along, limit))
         work.contact_work -= 0.5 * const.dt * push * (went - speed)
         if const.friction == 0.0:
             return

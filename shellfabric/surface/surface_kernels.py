@@ -23,10 +23,19 @@ between plies of a pack, and of the nose on them, a node has the share
 
     s_j = M_j t_j / sum(M t),    t_j = max(1 - D (n.v_j - u)+ / f, LEAST_PART)             (1)
 
-with the velocity u from which on it runs ahead: the larger one of both surfaces along the push. The
-sum of the shares is 1, so that momentum is kept. Shares fall where velocities rise; by Chebyshev's
-inequality the power f sum((s - M) n.v) is then at most 0: energy is taken, never given. A node that
-runs ahead feels a damper of D M_j, stable with D dt / m < 2. D : `plies.numerics.PlyContact`.
+with the velocity u from which on it runs ahead: the larger one of both surfaces along the push, and
+
+    min(T, T'),    T = FARTHEST (|slope along a| + |slope along b|)                        (2)
+
+by which plies that turn together have nodes ahead of the point where they touch: without it they are
+braked. A slope is the smaller one of the two between three rows of nodes, 0 if these differ in sign,
+so that a tip has none; it fades out with the weight of the outer rows, so that no force jumps where a
+point passes on to other nodes. A nose has no T.
+
+The sum of the shares is 1, so that momentum is kept. Shares fall where velocities rise; by Chebyshev's
+inequality the power f sum((s - M) n.v) is then at most 0: energy is taken, never given. A push moves
+by less than an element, and with it the moment of a force. A node that runs ahead feels a damper of
+D M_j, stable with D dt / m < 2. D : `plies.numerics.PlyContact`.
 """
 
 import math
@@ -36,8 +45,10 @@ from shellfabric.jit.simd import (
     WIDTH,
     broadcast,
     fma,
+    greater,
     load,
     maximum,
+    minimum,
     shift_in_prev,
     store,
     where,
@@ -45,6 +56,8 @@ from shellfabric.jit.simd import (
 from shellfabric.surface.nodal_force_kernels import extend_window
 from shellfabric.surface.vector_kernels import dot, nodal
 
+FARTHEST = 1.5  # [elements] of the nodes of a foot from it
+FAINT = 1e-3  # weight of a row below which slopes fade out
 LEAST_PART = 1e-6  # of a share, so that a push always goes to some node
 
 
@@ -132,32 +145,38 @@ def part_left(speed, limit):
 
 
 @kernel(_nrt=False, forceinline=True)
-def share_out_limited(f, window, foot, v, push):
+def speeds_row(v, k, n):
+    """Compute the speeds along the normal n of three nodes from number k on."""
+    return dot(n, nodal(v, k)), dot(n, nodal(v, k + 1)), dot(n, nodal(v, k + 2))
+
+
+@kernel(_nrt=False, forceinline=True)
+def speeds_at(v, at, n):
+    """Compute the speeds along the normal n of the three by three nodes of `interpolate`, by
+    rows."""
+    k, s = at
+    return speeds_row(v, k, n), speeds_row(v, k + s, n), speeds_row(v, k + 2 * s, n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def share_out_limited(f, window, foot, speeds, push):
     """Share a push at a foot out to the nodes, whose window grows, by limited shares. Return the mean
     of the nodes' speeds [m/s] along the normal by these shares.
 
-    f : on the grid of the foot; v : the nodes' velocities, and the numbers of those of the foot there
-    push : its force, the normal, and what limits the shares (`part_left`)
+    f : on the grid of the foot; speeds : `speeds_at`
+    push : its force, and what limits the shares (`part_left`)
     """
     i, j, (k, stride), wa, wb = foot
-    velocities, (first, along) = v
-    force, n, limit = push
+    force, limit = push
     extend_window(window, i, i + 3, j, j + 3)
-    total = 0.0
-    mean = 0.0
-    for m in range(3):
+    (low, middle, high), whole, mean = limited_shares((wa, wb), speeds, limit)
+    for c in range(3):
+        part = force[c] * whole
         for o in range(3):
-            speed = dot(n, nodal(velocities, first + m * along + o))
-            share = wa[m] * wb[o] * part_left(speed, limit)
-            total += share
-            mean += share * speed
-    for m in range(3):
-        for o in range(3):
-            speed = dot(n, nodal(velocities, first + m * along + o))
-            share = wa[m] * wb[o] * part_left(speed, limit) / total
-            for c in range(3):
-                f[c][k + m * stride + o] += force[c] * share
-    return mean / total
+            f[c][k + o] += part * low[o]
+            f[c][k + stride + o] += part * middle[o]
+            f[c][k + 2 * stride + o] += part * high[o]
+    return mean
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -397,28 +416,91 @@ def speeds8(v, at, n):
 
 
 @kernel(_nrt=False, forceinline=True)
-def mean_row3(speeds, w):
-    """Compute the mean of three speeds by weights."""
-    return fma(w[0], speeds[0], fma(w[1], speeds[1], w[2] * speeds[2]))
+def mean_of_three(w, one, two, three):
+    """Compute the mean of three numbers, or of three eights, by weights."""
+    return fma(w[0], one, fma(w[1], two, w[2] * three))
 
 
 @kernel(_nrt=False, forceinline=True)
-def point_mean_speed8(speeds, wa, wb):
-    """Compute the mean of `point_speeds8` by the weights of the points."""
-    low = wa[0] * mean_row3(speeds[0], wb)
-    return fma(wa[2], mean_row3(speeds[2], wb), fma(wa[1], mean_row3(speeds[1], wb), low))
+def point_mean_speed(speeds, wa, wb):
+    """Compute the mean of `speeds_at` or `point_speeds8` by the weights of the points."""
+    one, two, three = speeds
+    return mean_of_three(
+        wa, mean_of_three(wb, *one), mean_of_three(wb, *two), mean_of_three(wb, *three)
+    )
 
 
 @kernel(_nrt=False, forceinline=True)
 def mean_speed8(speeds, wa, wb):
     """Compute the mean of `speeds8` by the weights of the points."""
+    one, two, three, four = speeds
     return weighted_sum(
         wa,
-        weighted_sum(wb, *speeds[0]),
-        weighted_sum(wb, *speeds[1]),
-        weighted_sum(wb, *speeds[2]),
-        weighted_sum(wb, *speeds[3]),
+        weighted_sum(wb, *one),
+        weighted_sum(wb, *two),
+        weighted_sum(wb, *three),
+        weighted_sum(wb, *four),
     )
+
+
+@kernel(_nrt=False, forceinline=True)
+def smaller_slope(one, two, three):
+    """Compute the size of the smaller of the slopes from one to two and on to three, 0 if they
+    differ in sign."""
+    low = two - one
+    high = three - two
+    return maximum(maximum(minimum(low, high), 0.0 - maximum(low, high)), 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def slope_of_three(w, one, two, three):
+    """Compute the slope of eq. (2) between three means, or three eights, of weights w."""
+    seen = minimum(minimum(w[0], w[2]) / FAINT, 1.0)
+    return seen * smaller_slope(one, two, three)
+
+
+@kernel(_nrt=False, forceinline=True)
+def slope_of_four(w, one, two, three, four):
+    """Compute `slope_of_three` of those three of four eights that have weights."""
+    first = slope_of_three((w[0], w[1], w[2]), one, two, three)
+    return where(greater(w[0], 0.0), first, slope_of_three((w[1], w[2], w[3]), two, three, four))
+
+
+@kernel(_nrt=False, forceinline=True)
+def point_tilt(speeds, wa, wb):
+    """Compute T [m/s], eq. (2), from `speeds_at` or `point_speeds8`."""
+    one, two, three = speeds
+    along_a = slope_of_three(
+        wa, mean_of_three(wb, *one), mean_of_three(wb, *two), mean_of_three(wb, *three)
+    )
+    along_b = slope_of_three(
+        wb,
+        mean_of_three(wa, one[0], two[0], three[0]),
+        mean_of_three(wa, one[1], two[1], three[1]),
+        mean_of_three(wa, one[2], two[2], three[2]),
+    )
+    return FARTHEST * (along_a + along_b)
+
+
+@kernel(_nrt=False, forceinline=True)
+def tilt8(speeds, wa, wb):
+    """Compute T [m/s], eq. (2), from `speeds8`."""
+    one, two, three, four = speeds
+    along_a = slope_of_four(
+        wa,
+        weighted_sum(wb, *one),
+        weighted_sum(wb, *two),
+        weighted_sum(wb, *three),
+        weighted_sum(wb, *four),
+    )
+    along_b = slope_of_four(
+        wb,
+        weighted_sum(wa, one[0], two[0], three[0], four[0]),
+        weighted_sum(wa, one[1], two[1], three[1], four[1]),
+        weighted_sum(wa, one[2], two[2], three[2], four[2]),
+        weighted_sum(wa, one[3], two[3], three[3], four[3]),
+    )
+    return FARTHEST * (along_a + along_b)
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -450,6 +532,20 @@ def sum_row(row):
 
 
 @kernel(_nrt=False, forceinline=True)
+def limited_shares(weights, speeds, limit):
+    """Compute limited shares of three by three nodes, of one point or eight: M t by rows, the factor
+    that makes their sum 1, and the mean of the speeds by these shares."""
+    wa, wb = weights
+    one, two, three = speeds
+    low = shares_row3(wa[0], wb, one, limit)
+    middle = shares_row3(wa[1], wb, two, limit)
+    high = shares_row3(wa[2], wb, three, limit)
+    whole = 1.0 / (sum_row(low) + sum_row(middle) + sum_row(high))
+    sums = mean_of_three(low, *one) + mean_of_three(middle, *two) + mean_of_three(high, *three)
+    return (low, middle, high), whole, whole * sums
+
+
+@kernel(_nrt=False, forceinline=True)
 def scatter_limited_to_points8(f, at, weights, speeds, push):
     """Share eight pushes out to the nodes of `point_mean8` by limited shares, as `share_out_limited`
     does. Return the mean of the nodes' speeds by these shares.
@@ -457,19 +553,14 @@ def scatter_limited_to_points8(f, at, weights, speeds, push):
     speeds : `point_speeds8`; push : the forces, and what limits the shares (`part_left`)
     """
     k, s = at
-    wa, wb = weights
     force, limit = push
-    low = shares_row3(wa[0], wb, speeds[0], limit)
-    middle = shares_row3(wa[1], wb, speeds[1], limit)
-    high = shares_row3(wa[2], wb, speeds[2], limit)
-    whole = 1.0 / (sum_row(low) + sum_row(middle) + sum_row(high))
+    (low, middle, high), whole, mean = limited_shares(weights, speeds, limit)
     for c in range(3):
         part = force[c] * whole
         scatter_row8(f[c], k, part, low)
         scatter_row8(f[c], k + s, part, middle)
         scatter_row8(f[c], k + 2 * s, part, high)
-    mean = mean_row3(speeds[0], low) + mean_row3(speeds[1], middle) + mean_row3(speeds[2], high)
-    return whole * mean
+    return mean
 
 
 @kernel(_nrt=False, forceinline=True)
