@@ -99,11 +99,13 @@ def test_patch_across_zones(graded, zones, points, slid, within):
     "zones", [((10, 1), (16, 2), (INF, 4)), ((9, 0.5), (INF, 1))], ids=["coarser", "finer"]
 )
 def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
-    """Held or torn: no ply goes through another, and the projectile is slowed down alike. Torn plies have free edges: where
-    yarns fail by the echo of the clamps, which coarse zones smear, a clamped graded pack keeps 3.4 % more (plain shares:
-    2.5 %), a free one 0.1 %."""
-    boundary = "free" if strike_velocity > 200 else "clamped"
-    found, side, end_time = [], *((0.0762, 60e-6) if zones[0][1] == 1 else (0.05, 25e-6))
+    """Held or torn: no ply goes through another, and the projectile is slowed down alike. The coarser zones have free
+    """Held or torn: no ply goes through another, and the projectile is slowed down alike. The coarser zones have free
+    edges: of clamped ones the echo tears yarns, which coarse zones smear, and the graded pack keeps 3.4 % of 300 m/s
+    more (plain shares: 2.5 %)."""
+    side, end_time, boundary = 0.05, 25e-6, "clamped"
+    if zones[0][1] == 1:
+        side, end_time, boundary = 0.0762, 60e-6, "free"
     for grading in (((INF, zones[0][1]),), zones):
         panel = replace(ply, grading=grading, opening=(side, side), boundary=boundary)
         march = PackSolver(
@@ -114,4 +116,4 @@ def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
         found.append((march.sample("v")[-1], march.pack.elements))
     (v, n), (v_graded, n_graded) = found
     assert n_graded < 0.6 * n
-    assert abs(v_graded - v) < 0.01 * strike_velocity
+    assert abs(v_graded - v) < 0.01 * strike_velocity, (v, v_graded)
