@@ -100,9 +100,9 @@ def test_patch_across_zones(graded, zones, points, slid, within):
 )
 def test_shots_against_the_uniform_pack(ply, strike_velocity, zones):
     """Held or torn: no ply goes through another, and the projectile is slowed down alike. The coarser zones have free
-    """Held or torn: no ply goes through another, and the projectile is slowed down alike. The coarser zones have free
     edges: of clamped ones the echo tears yarns, which coarse zones smear, and the graded pack keeps 3.4 % of 300 m/s
     more (plain shares: 2.5 %)."""
+    found = []
     side, end_time, boundary = 0.05, 25e-6, "clamped"
     if zones[0][1] == 1:
         side, end_time, boundary = 0.0762, 60e-6, "free"
