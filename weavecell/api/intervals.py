@@ -28,6 +28,7 @@ from weavecell.api.run_size import StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.sweeps import forecast_row
 from weavecell.results import one_table, out_folder
+from weavecell.results.keys import find_axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -257,10 +258,12 @@ class IntervalResult(StudyResult):
     @property
     def headline(self) -> tuple[str, str]:
         from weavecell.studies import interval
+        from weavecell.studies.sweep import QUANTITIES
 
         if self.interval.quantity == interval.SHOT:
             return "Outcome", self.answer
-        return interval.label(self.interval.quantity).capitalize(), self.answer
+        column = QUANTITIES[self.interval.quantity].column
+        return find_axis(column).words.capitalize(), self.answer
 
     def _what(self):
         return f"{self.title}: {self.answer}"
@@ -296,7 +299,7 @@ class IntervalResult(StudyResult):
         from weavecell.report import pictures_uncertainty
         from weavecell.studies.sweep import QUANTITIES
 
-        label = QUANTITIES[self.interval.quantity].label
+        label = pictures_uncertainty.label_quantity(QUANTITIES[self.interval.quantity])
         return pictures_uncertainty.draw_interval(pyplot, self.interval, label)
 
     def files(self) -> dict[str, Any]:

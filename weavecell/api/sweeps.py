@@ -54,6 +54,7 @@ from weavecell.api.target import (
 from weavecell.api.varied_setup import read_key, vary_setup
 from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
+from weavecell.results.keys import find_axis
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
 
@@ -543,7 +544,7 @@ class SweepTable(StudyResult):
 
         quantity = QUANTITIES[self.quantity]
         over = f"over {self._varied_words}"
-        label = quantity.label.partition(" [")[0].capitalize()
+        label = find_axis(quantity.column).words.capitalize()
         values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
         outcomes = list(dict.fromkeys(row["outcome"] for row in self.rows))
         # one that all share, such as "stopped", says more than their residual velocities of 0
@@ -749,6 +750,6 @@ class SweepResult(Result, Sequence):
         from weavecell.studies.sweep import QUANTITIES
 
         strikes = [shot.strike_velocity for shot in self.shots]
-        label = "strike velocity [m/s]"
+        label = find_axis("strike_velocity_m_s").label
         drawn = strikes, label, self.to_dataframe(), ["outcome"], QUANTITIES["shot"]
         return figure(pictures_uncertainty.sweep, *drawn)

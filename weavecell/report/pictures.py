@@ -31,7 +31,7 @@ from weavecell.report.pictures_style import (
     legend_beside,
 )
 from weavecell.results.display import US
-from weavecell.results.keys import TABLES
+from weavecell.results.keys import TABLES, find_axis
 
 UM = 1e6
 
@@ -264,7 +264,8 @@ def velocity(pyplot: Any, runs: Any) -> Any:
         )
         seen[strike] += 1
     axes.axhline(0.0, color=FAINT, lw=1)
-    axes.set(xlabel="time after strike [µs]", ylabel="velocity of the projectile [m/s]")
+    time, velocity = (find_axis(name, "histories").label for name in ("time", "velocity"))
+    axes.set(xlabel=time, ylabel=velocity)
     axes.set_xlim(left=0)
     if len(runs) > 1:
         legend_beside(axes)
@@ -274,7 +275,8 @@ def velocity(pyplot: Any, runs: Any) -> Any:
 def _draw_velocity_axes(pyplot, title, low, high):
     """Figure and axes of residual against strike velocities from low to high."""
     figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
-    axes.set(title=title, xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+    strike, residual = map(find_axis, ("strike_velocity_m_s", "residual_velocity_m_s"))
+    axes.set(title=title, xlabel=strike.label, ylabel=residual.label)
     axes.set(xlim=(low, high), ylim=(-0.02 * high, high))
     axes.plot([low, high], [low, high], color=FAINT, lw=1, ls=":", label="no loss of velocity")
     return figure, axes

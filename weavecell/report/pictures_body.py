@@ -10,6 +10,7 @@ import numpy as np
 
 from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, RED, STEEL
 from weavecell.results.display import MM, US
+from weavecell.results.keys import find_axis
 
 if TYPE_CHECKING:
     from shellfabric.metal.body import MetalHistory
@@ -37,12 +38,12 @@ def bar(pyplot: Any, history: BarHistory) -> Any:
     top.plot(t, history.tip_velocity, color=RED, lw=1.0, label="tip")
     top.plot(t, history.tail_velocity, color=BLUE, lw=1.2, label="tail")
     top.plot(t, history.centre_velocity, color=INK, lw=2.0, label="centre of mass")
-    top.set(ylabel="velocity [m/s]")
+    top.set(ylabel=find_axis("tip_velocity", "bar").label)
     top.legend(loc="upper right")
     low.plot(t, US * (history.tip - history.centre), color=RED, lw=1.0, label="tip")
     low.plot(t, US * (history.tail - history.centre), color=BLUE, lw=1.2, label="tail")
     low.axhline(0.0, color=FAINT, lw=1)
-    low.set(xlabel="time after strike [µs]", ylabel="from the centre [µm]")
+    low.set(xlabel=find_axis("time", "bar").label, ylabel="from the centre [µm]")
     low.set_xlim(0, t[-1] if t.size else 1)
     return figure
 
@@ -84,7 +85,8 @@ def mushroom(pyplot: Any, body: MetalHistory) -> Any:
     side.plot(t, body.tip_velocity, color=RED, lw=1.0, label="tip")
     side.plot(t, body.tail_velocity, color=BLUE, lw=1.2, label="tail")
     side.plot(t, body.centre_velocity, color=INK, lw=2.0, label="centre of mass")
-    side.set(xlabel="time after strike [µs]", ylabel="velocity [m/s]")
+    velocity = find_axis("tip_velocity", "metal").label
+    side.set(xlabel=find_axis("time", "metal").label, ylabel=velocity)
     side.legend(loc="best")
     return figure
 

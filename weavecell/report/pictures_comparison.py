@@ -9,6 +9,7 @@ import numpy as np
 
 from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_beside
 from weavecell.report.pictures_style import COLOURS as COLOURS_OF_MANY
+from weavecell.results.keys import find_axis
 
 COLOURS = {"A": BLUE, "B": ORANGE}
 
@@ -28,7 +29,7 @@ def difference(pyplot: Any, result: Any) -> Any:
             _draw_probability(axis, one, name, colour)
         else:
             _draw_residuals(axis, one, name, colour)
-    axis.set(xlabel="strike velocity [m/s]")
+    axis.set(xlabel=find_axis("strike_velocity_m_s").label)
     legend_beside(axis)
     found = result.difference
     bars = {"by the shots": (found.low, found.high)}
@@ -71,7 +72,7 @@ def _draw_residuals(axis, result, name, colour):
     residual = [shot.residual_velocity for shot in result.shots]
     axis.plot(V, residual, "o", ms=5, color=colour, label=name)
     axis.axvspan(*(result.mixed_zone or result.bracket), color=colour, alpha=0.35, lw=1)
-    axis.set(ylabel="residual velocity [m/s]")
+    axis.set(ylabel=find_axis("residual_velocity_m_s").label)
 
 
 def draw_shots(pyplot: Any, shots: Mapping[str, Any]) -> Any:
@@ -82,16 +83,17 @@ def draw_shots(pyplot: Any, shots: Mapping[str, Any]) -> Any:
     shots : {name: ShotResult}
     """
     figure, axes = pyplot.subplots(3, 1, figsize=(9, 9), sharex=True)
-    labels = ("velocity [m/s]", "deflection [mm]", "contact force [kN]")
+    time, *others = (
+        find_axis(name, "histories") for name in ("time", "velocity", "deflection", "contact_force")
+    )
     for number, (name, shot) in enumerate(shots.items()):
         looks = {"color": COLOURS_OF_MANY[number % len(COLOURS_OF_MANY)], "label": name}
-        time = 1e6 * shot.time
-        histories = shot.velocity, 1e3 * shot.deflection, 1e-3 * shot.contact_force
-        for axis, values in zip(axes, histories):
-            axis.plot(time, values, **looks)
-    for axis, label in zip(axes, labels):
-        axis.set(ylabel=label)
-    axes[-1].set(xlabel="time [µs]")
+        histories = shot.velocity, shot.deflection, shot.contact_force
+        for axis, shown, values in zip(axes, others, histories):
+            axis.plot(time.factor * shot.time, shown.factor * values, **looks)
+    for axis, shown in zip(axes, others):
+        axis.set(ylabel=shown.label)
+    axes[-1].set(xlabel=time.label)
     legend_beside(axes[0])
     return figure
 
@@ -107,6 +109,7 @@ def draw_residuals(pyplot: Any, tables: Mapping[str, tuple[Any, Any]]) -> Any:
     for number, (name, (strike, residual)) in enumerate(tables.items()):
         colour = COLOURS_OF_MANY[number % len(COLOURS_OF_MANY)]
         axis.plot(strike, residual, "o", ms=5, color=colour, label=name)
-    axis.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+    strike_axis, residual_axis = map(find_axis, ("strike_velocity_m_s", "residual_velocity_m_s"))
+    axis.set(xlabel=strike_axis.label, ylabel=residual_axis.label)
     legend_beside(axis)
     return figure

@@ -20,7 +20,7 @@ from weavecell.report.pictures_style import (
 )
 from weavecell.results.coupon import UNLOADED
 from weavecell.results.display import choose_unit
-from weavecell.results.keys import COUPON_MEASURES
+from weavecell.results.keys import COUPON_MEASURES, find_axis
 
 if TYPE_CHECKING:
     from shellfabric.coupon.pull_out import PullOutCurve
@@ -155,7 +155,7 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
     figure, axes = pyplot.subplots(figsize=(10.4, 4.4))
     prescribed = record.facts["prescribed_name"]
     unit, factor = choose_unit(COUPON_MEASURES[names[0]].unit)
-    across_unit, across = choose_unit(COUPON_MEASURES[prescribed].unit)
+    across_label, across = find_axis(prescribed, "coupon_measures")
     computed = " ".join(name for name in names if not name.startswith(_KNOWN))
     colours = iter((WARP, WEFT) if "warp" in computed and "weft" in computed else COLOURS)
     slack = record[UNLOADED] == 1
@@ -182,7 +182,7 @@ def curves(pyplot: Any, record: Record, names: Sequence[str], label: str) -> Any
                 zorder=4,
                 label=f"{name}, unloaded",
             )
-    axes.set(xlabel=f"{prescribed} [{across_unit}]", ylabel=f"{label} [{unit}]")
+    axes.set(xlabel=across_label, ylabel=f"{label} [{unit}]")
     axes.set_xlim(left=0)
     if unit != "°" and all(record[name].min() >= 0 for name in names):
         axes.set_ylim(bottom=0)
@@ -215,20 +215,23 @@ def pull_out(pyplot: Any, curve: PullOutCurve) -> Any:
     figure, (upper, lower) = pyplot.subplots(
         2, 1, figsize=(10.4, 6.4), sharex=True, height_ratios=(2, 1)
     )
-    displacement = 1e3 * curve.displacement
-    upper.plot(displacement, curve.load, color=WARP, lw=1.2)
+    crosshead, load = (
+        find_axis(name, "coupon_measures") for name in ("displacement of the crosshead", "load")
+    )
+    displacement = crosshead.factor * curve.displacement
+    upper.plot(displacement, load.factor * curve.load, color=WARP, lw=1.2)
     if curve.plateau is not None:
         upper.axhline(
             curve.plateau, color=INK, lw=1.2, ls="--", label=f"plateau {curve.plateau:.3g} N"
         )
         upper.legend(loc="lower center")
-    upper.set(ylabel="load [N]")
+    upper.set(ylabel=load.label)
     upper.set_ylim(bottom=0)
     lower.plot(displacement, curve.sliding, color=WARP, lw=1.2, label="in slip")
     lower.plot(
         displacement, curve.left, color=WEFT, lw=1.2, ls="--", label="left by the yarn's end"
     )
-    lower.set(xlabel="displacement of the crosshead [mm]", ylabel="crossovers")
+    lower.set(xlabel=crosshead.label, ylabel="crossovers")
     lower.set_xlim(left=0)
     lower.set_ylim(bottom=0)
     legend_beside(lower)

@@ -18,10 +18,13 @@ from weavecell.report.pictures_style import (
     tension_map,
 )
 from weavecell.results.display import MM, US
+from weavecell.results.keys import find_axis
 
 if TYPE_CHECKING:
     from shellfabric.loop.histories import YarnHistory
 
+TIME = find_axis("time", "histories")
+PLACE, TENSION, STRAIN = (find_axis(name, "yarn") for name in ("X", "tension", "strain"))
 # at which the strain along a yarn is drawn
 _INSTANTS = 8
 _WAVES = {"longitudinal": INK, "transverse": RED}
@@ -44,11 +47,11 @@ def tensions(pyplot: Any, t: np.ndarray, yarns: Any, places: Sequence[float]) ->
             axes.plot(
                 US * t, yarn.tension[:, k], color=colour, lw=1.8, label=f"{MM * yarn.X[k]:.1f} mm"
             )
-        axes.set(title=name(yarn), xlabel="time after strike [µs]", ylabel="tension [N]")
+        axes.set(title=name(yarn), xlabel=TIME.label, ylabel=TENSION.label)
         axes.set_xlim(0, US * t[-1])
         axes.set_ylim(bottom=0)
         strain = axes.secondary_yaxis("right", functions=_percent(yarn.EA))
-        strain.set_ylabel("fibre strain [%]")
+        strain.set_ylabel(STRAIN.label)
         strain.spines["right"].set_visible(True)
         axes.legend(loc="upper left", title="from the impact point", fontsize=10, title_fontsize=10)
     return figure
@@ -93,13 +96,13 @@ def fronts(pyplot: Any, t: np.ndarray, yarns: Any, waves: Any) -> Any:
                 axes.plot([], [], color=_WAVES[wave.kind], marker=".", ls="-", label=label)
         axes.set(
             title=name(yarn),
-            xlabel="from the impact point, at rest [mm]",
-            ylabel="time after strike [µs]",
+            xlabel=PLACE.label,
+            ylabel=TIME.label,
         )
         axes.set(xlim=(0, X[-1]), ylim=(0, US * t[-1]))
         axes.grid(False)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.3), ncols=2, fontsize=10)
-    bar = figure.colorbar(image, ax=list(grid), shrink=0.9, pad=0.01, label="tension [N]")
+    bar = figure.colorbar(image, ax=list(grid), shrink=0.9, pad=0.01, label=TENSION.label)
     bar.outline.set_visible(False)
     return figure
 
@@ -135,8 +138,8 @@ def strains(pyplot: Any, t: np.ndarray, yarns: Any) -> Any:
         fails = 100 * yarn.strength / yarn.EA
         axes.axhline(fails, color=RED, lw=1.2, ls="--", label="at the strength")
         top = max(top, fails)
-        axes.set(title=name(yarn), xlabel="from the impact point, at rest [mm]", xlim=(0, X[-1]))
-        axes.set_ylabel("strain of the fibres [%]")
+        axes.set(title=name(yarn), xlabel=PLACE.label, xlim=(0, X[-1]))
+        axes.set_ylabel(STRAIN.label)
     for axes in grid:
         axes.set_ylim(0, 1.08 * top)
     axes.plot([], [], "o", ms=6, mfc=ORANGE, mec=INK, label="foot of the cone")
@@ -154,7 +157,7 @@ def cone(pyplot: Any, radii: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Any
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2))
     for (label, (t, radius)), colour in zip(radii.items(), (WARP, WEFT)):
         axes.plot(US * t, MM * radius, ".-", color=colour, lw=1.6, ms=5, label=label)
-    axes.set(xlabel="time after strike [µs]", ylabel="radius of the cone [mm]")
+    axes.set(xlabel=TIME.label, ylabel=find_axis("cone_radius", "yarn").label)
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.legend(loc="upper left")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics.base.counted import counted
 from weavecell.report.pictures_style import BLUE, COLOURS, FAINT, INK, ORANGE
+from weavecell.results.keys import find_axis
 
 if TYPE_CHECKING:
     from weavecell.studies.compression_records import PressureLaw
@@ -44,16 +45,17 @@ def draw_motion(pyplot: Any, motion: Motion, title: str, computed: Any = None) -
     ----------
     computed : {"time", "velocity", "contact_force": (n,)} of a shot, which is drawn beside; or None
     """
-    t = 1e6 * motion.time
+    time, speed, push = (find_axis(name, "shot") for name in ("time_s", "velocity_m_s", "force_N"))
+    t = time.factor * motion.time
     figure, (residual, velocity, force) = pyplot.subplots(
         3, 1, figsize=(WIDTH, 9.6), sharex=True, height_ratios=(0.6, 1.2, 1.2)
     )
     off = 1e6 * (motion.measured - motion.displacement)
     residual.plot(t, off, ".", ms=3, color=FAINT)
     residual.set(ylabel="record less curve [µm]", title=title)
-    for axes, value, error, factor, label in (
-        (velocity, motion.velocity, motion.velocity_error, 1.0, "velocity [m/s]"),
-        (force, motion.force, motion.force_error, 1e-3, "force [kN]"),
+    for axes, value, error, (label, factor) in (
+        (velocity, motion.velocity, motion.velocity_error, speed),
+        (force, motion.force, motion.force_error, push),
     ):
         axes.fill_between(
             t,
@@ -69,12 +71,12 @@ def draw_motion(pyplot: Any, motion: Motion, title: str, computed: Any = None) -
         )
         axes.set(ylabel=label)
     if computed is not None:
-        at = 1e6 * computed["time"]
-        velocity.plot(at, computed["velocity"], color=ORANGE, label="computed")
-        force.plot(at, 1e-3 * computed["contact_force"], color=ORANGE, label="computed")
+        at = time.factor * computed["time"]
+        velocity.plot(at, speed.factor * computed["velocity"], color=ORANGE, label="computed")
+        force.plot(at, push.factor * computed["contact_force"], color=ORANGE, label="computed")
         velocity.set_xlim(t[0], t[-1])
     force.axhline(0.0, color=INK, lw=0.8)
-    force.set(xlabel="time [µs]")
+    force.set(xlabel=time.label)
     velocity.legend()
     force.legend()
     return figure
@@ -89,12 +91,16 @@ def draw_noses(pyplot: Any, curves: Sequence[Any], until: float, title: str) -> 
     until : [s] to which the models are compared
     """
     figure, (in_time, over_way) = pyplot.subplots(1, 2, figsize=(WIDTH, 4.6), sharey=True)
+    time, velocity, way = (
+        find_axis(name, "patch") for name in ("time_s", "*_velocity_m_s", "*_way_m")
+    )
     for (name, t, z, v), colour in zip(curves, COLOURS):
-        in_time.plot(1e6 * t, v, color=colour, label=name)
-        over_way.plot(1e3 * z, v, color=colour)
-    in_time.axvline(1e6 * until, color=FAINT, lw=1.0, ls=":")
-    in_time.set(xlabel="time since the first touch [µs]", ylabel="velocity [m/s]")
-    over_way.set(xlabel="way since the first touch [mm]")
+        speed = velocity.factor * v
+        in_time.plot(time.factor * t, speed, color=colour, label=name)
+        over_way.plot(way.factor * z, speed, color=colour)
+    in_time.axvline(time.factor * until, color=FAINT, lw=1.0, ls=":")
+    in_time.set(xlabel=time.label, ylabel=velocity.label)
+    over_way.set(xlabel=way.label)
     in_time.legend()
     figure.suptitle(title)
     return figure

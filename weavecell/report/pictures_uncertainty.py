@@ -10,6 +10,7 @@ import numpy as np
 
 from fabrics.base.counted import counted
 from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, legend_beside
+from weavecell.results.keys import find_axis
 from weavecell.studies import probit
 
 if TYPE_CHECKING:
@@ -91,9 +92,17 @@ def perforation(pyplot: Any, study: Study, title: str) -> Any:
     fit = study.lambert_jonas
     if not fit.reason:
         lower.plot(*fit.sample(right), color=BLUE, label="Lambert-Jonas")
-    lower.set(xlabel="strike velocity [m/s]", ylabel="residual velocity [m/s]")
+    lower.set(
+        xlabel=find_axis("strike_velocity_m_s").label,
+        ylabel=find_axis("residual_velocity_m_s").label,
+    )
     legend_beside(lower)
     return figure
+
+
+def label_quantity(quantity: Quantity) -> str:
+    """Write the label of the axis of what a sweep computes."""
+    return find_axis(quantity.column).label + quantity.note
 
 
 def sweep(
@@ -134,7 +143,7 @@ def sweep(
         # nothing lies between two texts, such as names of fabrics
         line = "o" if isinstance(x[0], str) else "o-"
         axes.errorbar(rows["x"], y, yerr=error, fmt=line, ms=6, capsize=4, label=name or None)
-    axes.set(xlabel=label, ylabel=quantity.label)
+    axes.set(xlabel=label, ylabel=label_quantity(quantity))
     _, top = axes.get_ylim()
     axes.set_ylim(0, 1.05 * top)
     axes.margins(x=0.05)
@@ -152,7 +161,7 @@ def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantit
     axes.axvline(values[0], color=FAINT, lw=1)
     axes.set_yticks(range(len(changes)), changes)
     axes.invert_yaxis()
-    axes.set(xlabel=quantity.label)
+    axes.set(xlabel=label_quantity(quantity))
     return figure
 
 

@@ -34,6 +34,7 @@ class Key(NamedTuple):
     parts : names of the parts of a pair, which are columns of their own in tables
     of : table that has its meaning
     optional : whether it is absent where it is empty
+    axis : what stands at the axis of a figure that draws it; the words of its name if not given
     """
 
     name: str
@@ -43,6 +44,7 @@ class Key(NamedTuple):
     parts: tuple[str, ...] = ()
     of: str = ""
     optional: bool = False
+    axis: str = ""
 
     @property
     def field(self) -> str:
@@ -157,9 +159,48 @@ IMPACT = table("impact", *OF_SOME.values(), "failure", "stacking", "impact_folde
 
 # units of numbers of summaries and columns of tables, by name; of an impact before other results
 _UNITS: dict[str, str] = {}
+# and words of their axes
+_AXES: dict[str, str] = {}
 for _name in ("impact", *OF_SOME.values(), "failure", "run", *OF_KINDS):
     for _key in TABLES[_name]:
-        _UNITS.setdefault(_key.name.removeprefix("rows."), _key.unit)
+        _column = _key.name.removeprefix("rows.")
+        _UNITS.setdefault(_column, _key.unit)
+        if _key.axis:
+            _AXES.setdefault(_column, _key.axis)
+
+
+class Axis(NamedTuple):
+    """An axis of a figure: its label, and the factor from SI units to those shown."""
+
+    label: str
+    factor: float
+
+    @property
+    def words(self) -> str:
+        """The label without its unit."""
+        return self.label.partition(" [")[0]
+
+
+def find_axis(name: str, of: str = "") -> Axis:
+    """Return the axis of a figure that draws a column.
+
+    Parameters
+    ----------
+    name : of the column
+    of : its table in keys.toml; without one the name tells the unit, as in `infer_key`
+
+    Examples
+    --------
+    >>> find_axis("deflection", "histories"), find_axis("v50_m_s").label
+    (Axis(label='deflection of the back face [mm]', factor=1000.0), 'V50 [m/s]')
+    """
+    inferred = infer_key(name)
+    key = inferred
+    words = _AXES.get(name, inferred.meaning)
+    if of:
+        key = next(one for one in TABLES[of] if one.name.removeprefix("rows.") == name)
+        words = key.axis or inferred.meaning
+    return Axis(display.heading(words, key.unit), display.choose_unit(key.unit)[1])
 
 
 def infer_key(name: str) -> Key:

@@ -20,7 +20,6 @@ from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import inputs
 from weavecell.studies.assumed_range import is_given, set_value
 from weavecell.studies.places import Place, Places, strike_at
-from weavecell.studies.sweep import QUANTITIES
 
 SHOT = "shot"
 LIMIT = "critical-velocity"
@@ -355,8 +354,3 @@ def _say_run(run, frictions):
     if frictions:
         words += f" ({', '.join(frictions)})"
     return words
-
-
-def label(quantity: str) -> str:
-    """Return what the answer is about."""
-    return QUANTITIES[quantity].label.partition(" [")[0]

@@ -22,20 +22,18 @@ INTERVAL = f"{100 * pack_limit.CONFIDENCE:g} % interval"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is drawn of a sweep: a column, those of the ends of its interval or bracket, and the
-    label of the axis."""
+    """What is drawn of a sweep: a column, those of the ends of its interval or bracket, and what the
+    label of the axis ends with."""
 
     column: str
-    label: str
     ends: tuple[str, str] | None = None
+    note: str = ""
 
 
 QUANTITIES = {
-    "shot": Quantity("residual_velocity_m_s", "residual velocity [m/s]"),
-    "critical-velocity": Quantity(
-        "critical_velocity_m_s", "critical velocity [m/s]", ("lower_m_s", "upper_m_s")
-    ),
-    "v50": Quantity("v50_m_s", "V50 [m/s], 95 % interval", ("v50_low_m_s", "v50_high_m_s")),
+    "shot": Quantity("residual_velocity_m_s"),
+    "critical-velocity": Quantity("critical_velocity_m_s", ("lower_m_s", "upper_m_s")),
+    "v50": Quantity("v50_m_s", ("v50_low_m_s", "v50_high_m_s"), ", 95 % interval"),
 }
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from weavecell.report.pictures import list_bands, place
 from weavecell.report.pictures_style import CLAY, FAINT, INK, STEEL
 from weavecell.results.display import MM, US
+from weavecell.results.keys import find_axis
 
 if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
@@ -34,17 +35,21 @@ def histories(pyplot: Any, record: ImpactRecord) -> Any:
         3, 1, figsize=(5.6, 12.4), sharex=True, height_ratios=(1.2, 1, 1), layout="none"
     )
     place(figure, 1.05, 0.2, 0.65, 0.15, down=0.2)
-    t = US * record.time
-    top.plot(t, record.velocity)
+    time, velocity, deflection, force = (
+        find_axis(name, "histories") for name in ("time", "velocity", "deflection", "contact_force")
+    )
+    t = time.factor * record.time
+    top.plot(t, velocity.factor * record.velocity)
     top.axhline(0.0, color=FAINT, lw=1)
-    top.set_ylabel("velocity [m/s]")
-    middle.plot(t, MM * record.deflection)
-    middle.plot(t, MM * record.nose_position, color=STEEL, ls=":", label="nose of the projectile")
-    middle.set_ylabel("deflection of the\nback face [mm]")
-    middle.set_ylim(0, 1.35 * MM * float(np.nanmax(record.deflection)) + 0.1)
+    top.set_ylabel(velocity.label)
+    nose = deflection.factor * record.nose_position
+    middle.plot(t, deflection.factor * record.deflection)
+    middle.plot(t, nose, color=STEEL, ls=":", label="nose of the projectile")
+    middle.set_ylabel(deflection.label)
+    middle.set_ylim(0, 1.35 * deflection.factor * float(np.nanmax(record.deflection)) + 0.1)
     middle.legend(loc="upper left", fontsize=10)
-    low.plot(t, 1e-3 * record.contact_force, lw=1.4)
-    low.set(xlabel="time after strike [µs]", ylabel="contact force [kN]", xlim=(0, float(t[-1])))
+    low.plot(t, force.factor * record.contact_force, lw=1.4)
+    low.set(xlabel=time.label, ylabel=force.label, xlim=(0, float(t[-1])))
     low.set_ylim(bottom=min(0.0, low.get_ylim()[0]))
     return figure
 
@@ -52,20 +57,17 @@ def histories(pyplot: Any, record: ImpactRecord) -> Any:
 def plies(pyplot: Any, record: ImpactRecord) -> Any:
     """Draw deflection, force of the nose and energy of each ply over time, one below the other."""
     figure, grid = pyplot.subplots(3, 1, figsize=(9, 8.4), sharex=True)
-    labels = {
-        "deflection": "deflection [mm]",
-        "push": "force of the nose [kN]",
-        "energy": "energy [J]",
-    }
-    factors = {"deflection": MM, "push": 1e-3, "energy": 1.0}
+    time = find_axis("time", "histories")
     fabrics = record.ply_fabrics
     colours = shades(fabrics or ("",) * record.count)
-    for axes, (name, label) in zip(grid, labels.items()):
+    t = time.factor * record.time
+    for axes, name in zip(grid, ("deflection", "push", "energy")):
+        label, factor = find_axis(name, "ply_histories")
         for k, colour in enumerate(colours):
-            values = factors[name] * record.plies[name][:, k]
-            axes.plot(US * record.time, values, color=colour, lw=1.4, label=record.ply_name(k))
+            values = factor * record.plies[name][:, k]
+            axes.plot(t, values, color=colour, lw=1.4, label=record.ply_name(k))
         axes.set_ylabel(label)
-    grid[-1].set(xlabel="time after strike [µs]", xlim=(0, US * float(record.time[-1])))
+    grid[-1].set(xlabel=time.label, xlim=(0, float(t[-1])))
     # of many plies a few are named
     lines, names = grid[0].get_legend_handles_labels()
     named = _named_plies(fabrics or ("",) * record.count)
@@ -278,7 +280,7 @@ def energies(pyplot: Any, record: ImpactRecord) -> Any:
     low.plot(t, error, color=INK, lw=1.6)
     reach = max(1.25, 1.15 * float(np.max(np.abs(error))))
     low.set(
-        xlabel="time after strike [µs]",
+        xlabel=find_axis("time", "histories").label,
         ylabel="error [%]",
         ylim=(-reach, reach),
         xlim=(0, float(t[-1])),
