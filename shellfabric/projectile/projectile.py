@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import metals
+from fabrics import data_sheet, metals
 from fabrics.base import sums
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
@@ -40,6 +40,7 @@ from shellfabric.projectile.solid import Solid
 from shellfabric.projectile.turned import Turned
 from shellfabric.state import Nose, Profile
 
+FRICTION = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE]
 BODIES = ("rigid", "elastic_bar", "metal")
 WIDEST = 2.5  # times its radius at rest a body of metal may become; beyond, a run stops
 OUTLINE = 12  # segments in the radius of a rigid ogive's outline
@@ -96,7 +97,7 @@ class Projectile(NoseNumbers, BodyNumbers):
     azimuth: float = 0.0
     yaw: float = 0.0
     roll: float = 0.0
-    friction: float = Assumed(0.0)
+    friction: float = Assumed(0.0, FRICTION.low, FRICTION.high)
     body: str | Bar = "rigid"
 
     def __post_init__(self):
@@ -272,9 +273,12 @@ class Projectile(NoseNumbers, BodyNumbers):
 
     @property
     def _friction_in_words(self):
+        words = "No friction on the fabric"
         if self.friction:
-            return f"Friction on the fabric {self.friction:g}."
-        return "No friction on the fabric."
+            words = f"Friction on the fabric {self.friction:g}"
+        if isinstance(self.friction, Assumed):
+            words += ", assumed {:g} to {:g}".format(*self.friction.span)
+        return f"{words}."
 
     @property
     def settings(self) -> dict[str, Any]:
