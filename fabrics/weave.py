@@ -206,3 +206,9 @@ class Weave:
     def areal_density(self) -> float:
         """[kg/m2]"""
         return self.cell_mass / self.cell_area
+
+    def tension_wave_speed(self, family: int) -> float:
+        """Compute the speed [m/s] of a wave of tension along the straight yarns of a family, 0 for the
+        warp, which carry the mass of both: sqrt(EA n / m)."""
+        count = (self.warp_count, self.weft_count)[family]
+        return (self.yarns[family].EA * count / self.areal_density) ** 0.5

@@ -30,6 +30,7 @@ def list_numbers(setup: Any) -> Iterator[Number]:
         yield from _of_zone(setup)
     if setup.backing is not None:
         yield from _of_block(setup)
+    yield from _of_times(setup)
     yield from _of_numerics(setup)
 
 
@@ -127,6 +128,16 @@ def _of_block(setup):
     # a block that is never eroded
     if isfinite(strain):
         yield Number("backing.erosion_strain", "erosion_strain", strain)
+
+
+def _of_times(setup):
+    """The end of the run over the time of the tension wave from the impact point to the nearest edge."""
+    ways = 0.5 * np.broadcast_to(setup.opening, 2) - np.abs(setup.impact_point)
+    speeds = [setup.fabric.weave.tension_wave_speed(family) for family in (0, 1)]
+    reached = float(np.min(ways / speeds))
+    # an impact point on the edge, or beyond it, is refused by the panel
+    if reached > 0:
+        yield Number("run.end_time", "end_time", setup.end_time / reached)
 
 
 def _of_numerics(setup):

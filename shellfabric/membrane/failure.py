@@ -80,9 +80,7 @@ def filter_factor(fabric: Fabric, family: int, side: ArrayLike, dt: float) -> Fl
     """Compute the share [-] of the way to the present tension that the low-pass goes in a step dt
     [s], of edges of the length `side` [m]: its time is that of a wave over twice the failure
     length, or edge."""
-    weave = fabric.weave
-    count = (weave.warp_count, weave.weft_count)[family]
-    wave_speed = (weave.yarns[family].EA * count / weave.areal_density) ** 0.5
+    wave_speed = fabric.weave.tension_wave_speed(family)
     times = 2 * np.maximum(fabric.failure_length, side) / wave_speed
     return -np.expm1(-dt / times)
 

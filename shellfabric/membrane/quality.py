@@ -581,10 +581,8 @@ def _way_to_the_frame(pack):
     back = np.inf
     fastest = 0.0
     for panel in pack.plies:
-        weave = panel.weave
         for axis, (places, pair) in enumerate(zip(panel.lines(), panel.supports)):
-            count = (weave.warp_count, weave.weft_count)[axis]
-            speed = (weave.yarns[axis].EA * count / weave.areal_density) ** 0.5
+            speed = panel.weave.tension_wave_speed(axis)
             fastest = max(fastest, speed)
             ends = -float(places[0]), float(places[-1])
             ways = [far for side, far in zip(pair, ends) if side == "clamped" and far > 0]

@@ -99,3 +99,28 @@ def test_positions_beyond_the_edge_are_refused():
         InputError, match=r"history.report_positions = '?140 mm'?: must be within the opening, at"
     ):
         build.setup(build.build(check(scene, None, "shot"), None, "s"), None)
+
+
+@pytest.mark.parametrize(
+    "times, told",
+    [(0.98, "run.end_time: latest end"), (1.02, ""), (980, ""), (1020, "run.end_time: latest end")],
+)
+def test_an_end_before_or_long_after_the_wave_is_at_the_edge_is_told_and_run(times, told):
+    """The nearest edge counts: 9 mm along the warp, 15 mm along the weft, from an aim off the middle."""
+    weave = wc.fabric("S-731").weave
+    counts = weave.warp_count, weave.weft_count
+    speeds = [
+        (yarn.E * yarn.A_s * n / weave.areal_density) ** 0.5 for yarn, n in zip(weave.yarns, counts)
+    ]
+    reached = min(0.009 / speeds[0], 0.015 / speeds[1])
+    made = wc.setup(
+        "S-731",
+        150.0,
+        opening=("26 mm", "32 mm"),
+        impact_point=("4 mm", "1 mm"),
+        symmetry="whole",
+        end_time=times * reached,
+    )
+    notes = [note for note in made.notes if "run.end_time" in note]
+    assert bool(notes) == bool(told)
+    assert all(told in note for note in notes)

@@ -19,7 +19,6 @@ from weavecell.scenes.impact import check
 FACTORS = (100.0, 1000.0, 0.01, 0.001)
 # keys whose number may be any: what is too coarse or too short shows itself in the run, which says so
 FREE = {
-    "run.end_time": "a run that has not ended says that the projectile is in flight",
     "run.snapshot_interval": "frequency of pictures",
     "run.checkpoint_interval": "frequency of checkpoints",
     "history.interval": "frequency of samples",
