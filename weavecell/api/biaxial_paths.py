@@ -183,7 +183,7 @@ def biaxial(
         raise InputError(key="law", allowed=allowed)
     size = None
     if compare_3d is not None:
-        size = meshes.size(compare_3d)
+        size = meshes.size(compare_3d, "compare_3d")
     return BiaxialPlan(CellModel(fabric), wanted, source, compare_3d, size)
 
 

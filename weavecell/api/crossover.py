@@ -395,17 +395,20 @@ def pull_out(
         )
     if pressures and not min(pressures) > 0:
         raise InputError(key="pressure", value=pressure, allowed="pressures above 0")
-    options = {"pressures": pressures, "pulled": family, "numerics": _numerics(friction)}
+    if lengths and min(lengths) < 0:
+        allowed = "displacements of 0 or more, which press the yarns together"
+        raise InputError(key="end_displacement", value=end_displacement, allowed=allowed)
+    if not lengths and not pressures:
+        lengths = list(case.displacements(meshes.resolve_fabric_for_3d(fabric), family))
+    options = {
+        "displacements": lengths,
+        "pressures": pressures,
+        "pulled": family,
+        "numerics": _numerics(friction),
+    }
     if pull is not None:
         options["pull"] = quantities.number(pull, "m", "pull")
-
-    def solve(built, fabric, **more):
-        displacements = lengths
-        if not lengths and not pressures:
-            displacements = case.displacements(fabric, family)
-        return case.pull_out(built, fabric, displacements, **more)
-
-    return _plan("pull-out", solve, options, fabric, "whole", shared)
+    return _plan("pull-out", case.pull_out, options, fabric, "whole", shared)
 
 
 def _family(yarn: str) -> int:
@@ -438,6 +441,10 @@ def _list_numbers(options, fabric):
     for ends in (options.get("d"), options.get("stretch")):
         for end, half in zip(ends or (), fabric.weave.w):
             yield plausible.Number("end_displacement", "end_displacement", abs(end) / half)
+    crossing = 1 - options.get("pulled", 0)
+    for end in options.get("displacements", ()):
+        ratio = end / fabric.weave.w[crossing]
+        yield plausible.Number("end_displacement", "end_displacement", ratio)
 
 
 def _plan(

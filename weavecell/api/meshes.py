@@ -255,9 +255,9 @@ def options_of(given: Mapping[str, Any], known: type) -> dict[str, Any]:
     return options
 
 
-def size(value: Any) -> Any:
+def size(value: Any, key: str = "mesh") -> Any:
     """Read a name, three numbers, an edge length [m], or a MeshFile of the path of a .msh file, as
-    `meshing.inputs.size` takes it, also from a text.
+    `meshing.inputs.size` takes it, also from a text; `key` names it in errors.
 
     Raises
     ------
@@ -268,17 +268,17 @@ def size(value: Any) -> Any:
 
         return MeshFile.load(value)
     if isinstance(value, (list, tuple)):
-        return _whole_numbers(value, 3, "mesh", "three whole numbers nx, ny, nz")
+        return _whole_numbers(value, 3, key, "three whole numbers nx, ny, nz")
     if not isinstance(value, str):
-        return quantities.read_positive(value, "m", "mesh")
+        return quantities.read_positive(value, "m", key)
     if value in SIZES:
         return value
     if re.fullmatch(r"\s*\d+\s*(,\s*\d+\s*)*", value):
         return tuple(map(int, value.split(",")))
     if re.fullmatch(r"\s*[\d.+-][^,]*", value):
-        return quantities.number(value, "m", "mesh")
+        return quantities.number(value, "m", key)
     raise InputError(
-        key="mesh", value=value, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um"
+        key=key, value=value, allowed=f"{', '.join(SIZES)}, nx,ny,nz or a length such as 60um"
     )
 
 
