@@ -24,9 +24,8 @@ from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running
-from weavecell.api.run_size import StudySize
+from weavecell.api.run_size import StudySize, forecast_row
 from weavecell.api.study_result import StudyResult
-from weavecell.api.sweeps import forecast_row
 from weavecell.results import one_table, out_folder
 from weavecell.results.keys import find_axis
 

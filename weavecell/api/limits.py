@@ -37,7 +37,7 @@ from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import say_before_range
-from weavecell.api.run_size import StudySize
+from weavecell.api.run_size import LOOKS, StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import checks
@@ -63,8 +63,6 @@ LOOK_OF: dict[str, dict[str, Any]] = {
     "stopped": {"mfc": "white", "mec": GREEN, "mew": 1.8},
 }
 NO_LIMIT = "a panel whose yarns do not fail has no limit"
-# shots beside the bracket that look for mixed outcomes, at most
-LOOKS = 2
 NAMES = (
     "critical-velocity.json",
     "shots.csv",

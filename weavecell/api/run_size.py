@@ -29,6 +29,7 @@ from weavecell.api.wording import NOTHING, Wording
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
+    from weavecell.api.target import Target
     from weavecell.scenes.impact import Scene
     from weavecell.studies.small_patch import SmallPatch
 
@@ -43,6 +44,8 @@ SOLID_STEPS = 2.0, 3.2
 DURATION = 0.2, 1.0
 ENCLOSES = 2.5
 WIDTH = 1.0  # [m/s] of the bracket of a search, where it is not given
+# shots beside the bracket of a limit that look for mixed outcomes, at most
+LOOKS = 2
 # [s] a forecast of more says what it grows with, and of a study what spreads it
 LONG = 600.0
 GROWTH = (
@@ -398,6 +401,23 @@ class StudySize(_Size):
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
         return [*lines, *self.said.lines]
+
+
+def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) -> StudySize:
+    """Forecast the size of a row of `studies.sweep`; `shots` of a V50, `width` [m/s] of the bracket
+    of a limit or None."""
+    from weavecell.studies import pack_limit, v50
+    from weavecell.studies.limit import usual_tolerance
+
+    setup = panel.setup
+    words: dict[str, Any] = {"scene": panel.scene}
+    if quantity == "shot":
+        return StudySize.estimate(setup, setup.title, 1, velocity=True, **words)
+    if quantity == "v50":
+        return StudySize.estimate(v50.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
+    beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
+    width = width or usual_tolerance(setup.target())
+    return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width, **words)
 
 
 @explain_frozen

@@ -39,7 +39,7 @@ from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.limits import NO_LIMIT
 from weavecell.api.result import Result, figure, plain
-from weavecell.api.run_size import StudySize
+from weavecell.api.run_size import StudySize, forecast_row
 from weavecell.api.shots import ShotResult, shot_of
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import (
@@ -66,8 +66,6 @@ if TYPE_CHECKING:
     from weavecell.scenes.fabric_table import Reader
 
 SEED = "panel.strength.seed"
-# shots beside the bracket of a limit that look for mixed outcomes, at most
-LOOKS = 2
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -357,23 +355,6 @@ def _list_setups(target):
         allowed = "an input file, a fabric, a set-up of `setup`, or a list of set-ups"
         raise InputError(key="target", value=target, allowed=allowed)
     return listed
-
-
-def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) -> StudySize:
-    """Forecast the size of a row of `studies.sweep`; `shots` of a V50, `width` [m/s] of the bracket
-    of a limit or None."""
-    from weavecell.studies import pack_limit, v50
-    from weavecell.studies.limit import usual_tolerance
-
-    setup = panel.setup
-    words: dict[str, Any] = {"scene": panel.scene}
-    if quantity == "shot":
-        return StudySize.estimate(setup, setup.title, 1, velocity=True, **words)
-    if quantity == "v50":
-        return StudySize.estimate(v50.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
-    beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
-    width = width or usual_tolerance(setup.target())
-    return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width, **words)
 
 
 def _combinations(keys, one_at_a_time):
