@@ -10,8 +10,9 @@ import weavecell as wc
 
 ROOT = Path(wc.__file__).parents[1]
 PACKAGES = "fabrics", "meshing", "shellfabric", "weavecell"
-# with comprehensions, which Python 3.11 enters too; 891 before fabric and cell table were kept
-MOST = 810
+# with comprehensions, which Python 3.11 enters too; 891 before fabric and cell table were kept, 806 after, 817 with
+# the note on a run that ends before its waves are back
+MOST = 820
 
 
 @pytest.fixture

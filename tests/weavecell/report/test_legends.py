@@ -1030,6 +1030,32 @@ def one_at_a_time(pyplot):
     return None
 
 
+@case(pictures_uncertainty.draw_interval)
+def draw_interval(pyplot):
+    """A ring is a stop; of a limit its ends are drawn, and of a run without a value nothing."""
+    bracket = {"lower_m_s": 71.0, "upper_m_s": 78.0}
+    rows = [("gap", "stopped", 0.0, {}), ("crossover", "perforated", 61.5, {})]
+    rows += [("yarn", "single limit", 74.5, bracket), ("beside", "unstable", None, {})]
+    runs = [
+        Given(variation=Given(name=name), outcome=outcome, value=value, row=row)
+        for name, outcome, value, row in rows
+    ]
+    interval = Given(runs=runs, low=0.0, high=74.5)
+    figure = pictures_uncertainty.draw_interval(pyplot, interval, "V50 [m/s]")
+    (axes,) = figure.axes
+    stop, through, ends, middle = axes.lines
+    assert_allclose(stop.get_xydata(), [[0, 0]])
+    assert_allclose(through.get_xydata(), [[61.5, 1]])
+    assert_allclose(ends.get_xydata(), [[71, 2], [78, 2]])
+    assert_allclose(middle.get_xydata(), [[74.5, 2]])
+    faces = [line.get_markerfacecolor() for line in (stop, through, middle)]
+    assert (faces[0], len(set(faces))) == ("white", 3)
+    assert reach(axes.patches[0], 0) == pytest.approx((0, 74.5))
+    assert [text.get_text() for text in axes.get_yticklabels()] == [name for name, *_ in rows]
+    assert axes.get_xlabel() == "V50 [m/s]"
+    return None
+
+
 @case(pictures_shot.histories)
 def histories(pyplot):
     record = Made()
