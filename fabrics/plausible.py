@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.errors import AS_WRITTEN, InputError
 from fabrics.base.files import read_data
 from fabrics.base.units import NUMBER, si
 
@@ -114,12 +114,15 @@ def rows() -> dict[str, Row]:
     return {name: Row.read(entry) for name, entry in content.items()}
 
 
-def judge(numbers: Iterable[Number], *, file: FilePath | None = None) -> tuple[str, ...]:
+def judge(
+    numbers: Iterable[Number], *, file: FilePath | None = None, curve: FilePath | None = None
+) -> tuple[str, ...]:
     """Compare numbers with their rows.
 
     Parameters
     ----------
     file : that they are read from, named in errors
+    curve : that the numbers are fitted to, in place of a file that states them
 
     Returns
     -------
@@ -137,9 +140,10 @@ def judge(numbers: Iterable[Number], *, file: FilePath | None = None) -> tuple[s
             continue
         words = row.words(number.value)
         if not number.taken and not row.allows(number.value):
-            raise InputError(
-                f"{words}: check value and unit ({row.source})", key=number.key, file=file
-            )
+            message = f"{words}: check value and unit ({row.source})"
+            if curve is not None:
+                raise InputError(f"{number.key} is fitted to this curve: {message}", file=curve)
+            raise InputError(message, key=number.key, value=AS_WRITTEN, file=file)
         said.setdefault(words, []).append(number.key)
     return tuple(f"{' and '.join(keys)}: {words}" for words, keys in said.items())
 

@@ -18,6 +18,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from fabrics.base import amounts, written
+
 _ROOT = Path(__file__).parents[2]
 _OWN = [_ROOT / name for name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell")]
 
@@ -79,14 +81,23 @@ def _is_of_interrupt(problem):
     return False
 
 
+# in place of a value: what the file has, and nothing where that is not known
+AS_WRITTEN = written.AS_WRITTEN
+
+
 class InputError(WeavecellError, ValueError):
-    """Bad input, one line a problem: the file, the key, its value and what is allowed.
+    """Bad input, one line a problem: the file, its line, the key, its value and what is allowed.
+
+    Of a file that was read the line shows what stands there, in the user's unit, and beside a limit of
+    ours the same in that unit; so do other keys that the line names (`fabrics.base.written`).
 
     Parameters
     ----------
     message : a complete sentence, used where the problem is not one key of one file
-    file, key, value : where the bad value stands, and what it is
+    file, key, value : where the bad value stands, and what it is; AS_WRITTEN of one that the file has
     allowed : what would have been accepted
+    line : of the file, if it is known; else it is looked up
+    made : where a value comes from that no user typed, such as "fitted: curve.csv"
 
     Examples
     --------
@@ -107,34 +118,63 @@ class InputError(WeavecellError, ValueError):
         key: str | None = None,
         value: object = None,
         allowed: str | None = None,
+        line: int = 0,
+        made: str = "",
     ) -> None:
         self.message = message
         self.file = file
         self.key = key
         self.value = value
         self.allowed = allowed
-        parts = []
-        if file is not None:
-            parts.append(f"{file}:")
-        if key is not None:
-            parts.append(f"{key} = {_shown(value)}:" if value is not None else f"{key}:")
-        allowed_text = []
-        if message is not None:
-            allowed_text = [message]
-        if allowed is not None:
-            allowed_text.append(f"must be {allowed}")
-        parts.append("; ".join(allowed_text))
+        self.line = line
+        self.made = made
+        self._given = value
+        found = written.find(file, key, value)
+        if found is not None:
+            self.line = line or found.line
+            self.made = made or found.made
+            self.value = found.part(value)
+        elif value is AS_WRITTEN:
+            self.value = None
         # one line, whatever breaks a value has
-        super().__init__(" ".join(" ".join(parts).split()))
+        super().__init__(" ".join(self._sentence(found).split()))
+
+    def _sentence(self, found):
+        """The line that a user reads; `found` is what stands in the file."""
+        parts = []
+        if self.file is not None:
+            parts.append(f"{self.file}:{self.line}:" if self.line else f"{self.file}:")
+        if self.key is not None:
+            name = self.key
+            if found is not None and found.key != self.key:
+                name = f"{found.key} = {_shown(found.value)} has {self.key}"
+            if self.value is not None:
+                name += f" = {_shown(self.value)}"
+            if self.made:
+                name += f" ({self.made})"
+            parts.append(f"{name}:")
+        words = []
+        if self.message is not None:
+            words.append(self.message)
+        if self.allowed is not None:
+            words.append(f"must be {self.allowed}")
+        text = amounts.in_unit_of(self.value, "; ".join(words))
+        for name, other in written.others_in(self.file, text, self.key).items():
+            text = text.replace(name, f"{name} ({other})", 1)
+        return " ".join([*parts, text])
 
     def changed(self, **attributes: Any) -> InputError:
         """Return the same error with another file, key or value."""
         own: dict[str, Any] = {
             "file": self.file,
             "key": self.key,
-            "value": self.value,
+            "value": self._given,
             "allowed": self.allowed,
+            "line": self.line,
+            "made": self.made,
         }
+        if attributes.get("file", self.file) != self.file:
+            own["line"] = 0
         return InputError(self.message, **own | attributes)
 
 
@@ -224,7 +264,7 @@ class InputErrors(InputError):
         first = problems[0]
         self.problems = tuple(problems)
         WeavecellError.__init__(self, "\n".join(map(str, problems)))
-        for name in ("message", "file", "key", "value", "allowed"):
+        for name in ("message", "file", "key", "value", "allowed", "line", "made"):
             setattr(self, name, getattr(first, name))
 
     # exceptions come back from worker processes pickled, and pickle calls the class with `Exception.args`

@@ -40,6 +40,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails
 
+from fabrics.base import written as written_texts
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import control_character, parse_toml, read_text
@@ -502,6 +503,7 @@ def parse_source(text: str, path: FilePath) -> dict[str, Any]:
     for key, value in _texts(table):
         if (control := control_character(value)) is not None:
             raise InputError(f"has the control character {control}", file=path, key=key)
+    written_texts.keep(path, text, table)
     return table
 
 

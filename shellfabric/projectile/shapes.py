@@ -144,7 +144,7 @@ def _check_cone(shot):
         raise InputError(key="half_angle", value=angle, allowed="below a right angle")
     most = (shot.radius - shot.edge_radius * (1 - cos(angle))) / cos(angle)
     if not shot.tip_radius < most:
-        allowed = f"below {most:.4g}, to leave a flank"
+        allowed = f"below {1e3 * most:.4g} mm, to leave a flank"
         raise InputError(key="tip_radius", value=shot.tip_radius, allowed=allowed)
 
 

@@ -300,6 +300,8 @@ def critical_velocity(
     panel = resolve_target(target, options, "limit", function="critical_velocity")
     with panel.name_problems():
         strengths.require_failure(panel.setup, NO_LIMIT)
+    if width is not None:
+        _refuse_wide(width, tolerance, panel.setup)
     if interval:
         from weavecell.api.intervals import plan_interval
 
@@ -350,6 +352,16 @@ def keep(ended: Sequence[Shot], problem: BaseException, panel: Target, folder: P
         table = one_table.frame(one_table.columns(shots, kind), kind)
         files.write(folder / "shots.csv", one_table.csv(table))
         panel.keep_input(folder)
+
+
+def _refuse_wide(width, tolerance, setup):
+    """Refuse a tolerance [m/s] as wide as the limit is likely to be high, below which no shot is fired."""
+    from weavecell.studies.ballistic_limit import first_guess
+
+    guess = first_guess(setup.target())
+    if width >= guess:
+        allowed = f"below {guess:.0f} m/s, where the search for this limit begins"
+        raise InputError(key="tolerance", value=tolerance, allowed=allowed)
 
 
 @explain_frozen

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, placed
+from fabrics.base.errors import AS_WRITTEN, InputError, placed
 from fabrics.base.schema import Table, entries, tables
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
@@ -202,7 +202,13 @@ def _weaken(fabric, table, key, file):
         plausible.Number(f"{key}.{name}", "weaving_damage", share)
         for name, share in damage.shares.items()
     ]
-    fabric = plausible.noted(fabric.with_weaving_damage(damage), numbers, file=file)
+    try:
+        weakened = fabric.with_weaving_damage(damage)
+    except InputError as problem:
+        name = next(iter(damage.shares))
+        message = f"makes a yarn of which {problem}"
+        raise InputError(message, file=file, key=f"{key}.{name}", value=AS_WRITTEN) from None
+    fabric = plausible.noted(weakened, numbers, file=file)
     if damage.strength is not None:
         fabric = assumed.given(fabric, data_sheet.STRENGTH_AFTER_WEAVING)
     return fabric
@@ -486,9 +492,8 @@ def _check_positions(history, opening):
     half = 0.5 * opening if isinstance(opening, float) else 0.5 * max(opening)
     for position in history.report_positions:
         if abs(position) > half:
-            value = f"{1e3 * position:g} mm"
-            allowed = f"within the opening, at most {1e3 * half:g} mm from the impact point"
-            raise InputError(key="history.report_positions", value=value, allowed=allowed)
+            allowed = f"within panel.opening, at most {1e3 * half:g} mm from the impact point"
+            raise InputError(key="history.report_positions", value=position, allowed=allowed)
 
 
 def _collect_given(table, *but):

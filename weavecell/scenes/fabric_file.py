@@ -83,9 +83,27 @@ class Draft:
 
         Raises
         ------
-        InputError : they are not those of a fabric
+        InputError : they are not those of a fabric; it names the row of a sheet or the curve that
+            gives what is wrong
         """
-        return catalogue.read(self.file or f"{self.name}.toml", self.text())
+        try:
+            return catalogue.read(self.file or f"{self.name}.toml", self.text())
+        except InputError as problem:
+            parts = getattr(problem, "problems", (problem,))
+            raise together([self._trace(part) for part in parts]) from None
+
+    def _trace(self, problem):
+        """The InputError of a key of the fabric file, with where its value comes from."""
+        family, _, key = (problem.key or "").rpartition(".")
+        value = self.values.get(key)
+        if value is None:
+            return problem
+        text = getattr(value, family or "warp") or value.warp
+        made = ""
+        if value.stands_in or value.curve:
+            made = f"{value.status}: {value.source}"
+        file = value.curve or problem.file
+        return problem.changed(file=file, value=text, line=value.row, made=made)
 
     def text(self) -> str:
         """Write the TOML file."""
@@ -270,14 +288,21 @@ def _row(entry, line, path, problems, idealised):
             texts.append(check(key, text, idealised) if text or family == "warp" else "")
         except InputError as problem:
             if not (family == "weft" and text == entry["warp"]):
-                problems.append(refused(problem.value, problem.allowed, file=path, key=key))
+                wrong_one = refused(problem.value, problem.allowed, file=path, key=key)
+                problems.append(wrong_one.changed(line=_number_of(line)))
     status = entry.get("status") or "user"
     if status not in catalogue.STATUSES:
         allowed = f"one of {', '.join(catalogue.STATUSES)}"
         problems.append(InputError(file=path, key=f"{key}, status", value=status, allowed=allowed))
     if len(problems) > wrong:
         return None
-    return Value(*texts, entry.get("source") or Path(path).name, status)
+    source = entry.get("source") or Path(path).name
+    return Value(*texts, source, status, row=_number_of(line))
+
+
+def _number_of(line):
+    """The number of a line that is named, such as "line 4"."""
+    return int(line.rpartition(" ")[2])
 
 
 def with_curves(
@@ -315,8 +340,9 @@ def with_curves(
         source = f"tensile curve of the yarn, {curves.name_of(yarn)}"
         moduli = [f"{1e-9 * fit.EA * per_area:.5g} GPa" for per_area in of_fibres]
         strain = f"{100 * fit.failure_strain:.5g} %"
-        values["modulus"] = Value(moduli[0], moduli[1], source, "fitted")
-        values["failure_strain"] = Value(strain, strain, source, "fitted")
+        curve = str(yarn)
+        values["modulus"] = Value(moduli[0], moduli[1], source, "fitted", curve=curve)
+        values["failure_strain"] = Value(strain, strain, source, "fitted", curve=curve)
         for key in INSTEAD["failure_strain"]:
             values.pop(key, None)
         draft = replace(draft, values=values)
@@ -331,12 +357,12 @@ def with_curves(
         fabric = draft.fabric()
         shear = curves.picture_frame(frame, fabric.weave.thickness, side)
         # what is wrong with the law is wrong with this curve, not with the values of the draft
-        plausible.judge(plausible.of_shear(shear.law, fabric), file=frame)
+        plausible.judge(plausible.of_shear(shear.law, fabric), curve=frame)
         return _with_shear(draft, shear, f"picture-frame curve, {curves.name_of(frame)}", fitted)
     if bias is not None:
         fabric = draft.fabric()
         shear = curves.bias_extension(bias, fabric.weave.thickness, strip)
-        plausible.judge(plausible.of_shear(shear.law, fabric), file=bias)
+        plausible.judge(plausible.of_shear(shear.law, fabric), curve=bias)
         return _with_shear(draft, shear, f"bias strip, {curves.name_of(bias)}", fitted)
     return draft, fitted
 

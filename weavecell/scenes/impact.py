@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import ConfigDict, Field, model_validator
 
 from fabrics import backings, projectiles
+from fabrics.base import written
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
@@ -490,11 +491,15 @@ def check(
     InputError : one line naming the file, the key, its value and what is allowed
     """
     # what is named here is looked up before the scene is made
+    if file is None:
+        written.keep(None, "", table)
     table = kept_files.use_copies_of_missing(table, file)
-    table = presets.fill(table, file)
-    table = _with_named(table, file, "projectile", "name", projectiles)
-    table = stl_file.describe_stl(table, ProjectileTable.model_fields, file)
-    table = _with_named(table, file, "backing", "material", backings)
+    filled = presets.fill(table, file)
+    written.note_fills(file, table, filled, "panel.preset")
+    table = _with_named(filled, file, "projectile", "name", projectiles)
+    filled = stl_file.describe_stl(table, ProjectileTable.model_fields, file)
+    written.note_fills(file, table, filled, "projectile.stl")
+    table = _with_named(filled, file, "backing", "material", backings)
     return check_scene(Scene, table, file, reader, context)
 
 
@@ -508,4 +513,6 @@ def _with_named(table, file, name, key, data):
     if given[key].endswith(".toml"):
         own = data.table(given[key], file=file) | {"strike_velocity": "1 m/s"}
         validated(ProjectileTable, own, Path(file or "").parent / given[key])
-    return table | {name: named}
+    filled = table | {name: named}
+    written.note_fills(file, table, filled, f"{name}.{key}")
+    return filled

@@ -44,6 +44,8 @@ class Value:
     warp, weft, source, status : as a fabric file has them
     ranges : {"warp", "weft": (low, high) as written}; empty without
     stands_in : whether no sheet has it
+    row : line of the sheet, 0 where it has none
+    curve : file that it is fitted to, "" of others
     """
 
     warp: str
@@ -52,6 +54,8 @@ class Value:
     status: str = "user"
     ranges: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     stands_in: bool = False
+    row: int = field(default=0, compare=False)
+    curve: str = ""
 
     def line(self, key: str) -> str:
         """Write what stands in for the value of a key, and why."""

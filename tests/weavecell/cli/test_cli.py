@@ -294,4 +294,4 @@ def test_show_of_a_bullet_in_a_file_says_how_its_mass_differs(command, succeed, 
     (tmp_path / "mine.toml").write_text(OWN_BULLET.format("5 g"))
     code, _, err = command("show mine.toml")
     assert code == 2
-    assert err.startswith("error: mine.toml: mass = 0.005: must be that of the drawing")
+    assert err.startswith("error: mine.toml:3: mass = '5 g': must be that of the drawing")

@@ -96,7 +96,8 @@ def test_what_would_do_nothing_is_refused(options, message):
 def test_positions_beyond_the_edge_are_refused():
     scene = merged(SHOT, {"history": {"report_positions": ["5 mm", "140 mm"]}})
     with pytest.raises(
-        InputError, match=r"history.report_positions = '?140 mm'?: must be within the opening, at"
+        InputError,
+        match=r"history.report_positions = '?140 mm'?: must be within panel.opening .50 mm., at",
     ):
         build.setup(build.build(check(scene, None, "shot"), None, "s"), None)
 

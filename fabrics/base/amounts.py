@@ -1,0 +1,94 @@
+"""Amounts in the sentences of messages: the same in the unit that a user writes."""
+
+from __future__ import annotations
+
+import math
+import re
+from contextlib import suppress
+from functools import cache
+from typing import Any
+
+_NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+# what a message quotes or explains in brackets stays as it is
+_ASIDE = re.compile(r"(\"[^\"]*\"|'[^']*'|\([^)]*\))")
+
+
+def in_unit_of(value: Any, text: str) -> str:
+    """Return a sentence in which each amount of the dimension of `value` stands in the unit of `value` too.
+
+    Parameters
+    ----------
+    value : as a user has written it, such as "20 ft"; of all else the sentence stays as it is
+
+    Examples
+    --------
+    >>> in_unit_of("20 ft", 'a length of at most 5 m, such as "203 mm"')
+    'a length of at most 5 m (16.4 ft), such as "203 mm"'
+    """
+    if not isinstance(value, str):
+        return text
+    own = re.fullmatch(rf"\s*{_NUMBER}\s*(\S.*)", value)
+    if own is None:
+        return text
+    unit = own[1].strip()
+    parts = _ASIDE.split(text)
+    for place in range(0, len(parts), 2):
+        parts[place] = _amounts().sub(lambda found: _with_unit(found, unit), parts[place])
+    return "".join(parts)
+
+
+def is_alike(written: Any, value: Any) -> bool:
+    """Tell whether what is written may be the value, a number in SI units or the same text."""
+    if written == value:
+        return True
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return False
+    return any(math.isclose(number, value, rel_tol=1e-9) for number in _readings(written))
+
+
+def _readings(written):
+    """The numbers in SI units that a text may stand for."""
+    from fabrics.base import units
+
+    for unit in units.FACTORS:
+        with suppress(Exception):
+            yield units.si(written, unit)
+
+
+@cache
+def _amounts():
+    """A number, or two with "to" between them, and one of our units."""
+    from fabrics.base.units import FACTORS
+
+    names = sorted({name for of in FACTORS.values() for name in of if name}, key=len, reverse=True)
+    words = "|".join(map(re.escape, names))
+    return re.compile(
+        rf"({_NUMBER})(?:( to | and | and at most )({_NUMBER}))? ({words})(?![\w/^*])"
+    )
+
+
+def _with_unit(found, unit):
+    """An amount with the same in a unit behind it, if it has one of its dimension."""
+    from fabrics.base import units
+
+    low, between, high, own = found.groups()
+    if own == unit:
+        return found[0]
+    for si_unit, factors in units.FACTORS.items():
+        if own not in factors:
+            continue
+        # "above 0 and at most" has one end
+        if between != " to " and high and float(low) == 0:
+            low = ""
+        # of another dimension, or no unit: pint raises many types
+        with suppress(Exception):
+            ratio = factors[own] / units.si(f"1 {unit}", si_unit)
+            numbers = [_format(float(number) * ratio) for number in (low, high) if number]
+            return f"{found[0]} ({(between or '').join(numbers)} {unit})"
+    return found[0]
+
+
+def _format(number):
+    """Four digits, without an exponent where there are no more than eight."""
+    rounded = float(f"{number:.4g}")
+    return f"{rounded:.8g}"
