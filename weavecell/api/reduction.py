@@ -379,7 +379,7 @@ class ShotRecord(DrawnResult):
         return self.motion
 
     def draw(self, pyplot: Any) -> Figure:
-        """Draw velocity [m/s] and force [kN] in time, with their errors."""
+        """Draw velocity [m/s] and force [N] in time, with their errors."""
         from weavecell.report import pictures_records
 
         return pictures_records.draw_motion(
