@@ -2,8 +2,9 @@
 crimp, failure length.
 
 The laws are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of
-the trellis follow from the weave. Crimp follows from the thickness (`fabrics.data_sheet`), with a
-thickness and a share of the warp that have a range. The failure length is one for all families
+the trellis follow from the weave. Crimp follows from areal density or thickness
+(`fabrics.data_sheet`), which have a range, as the share of the warp and the length of a change of
+sides. The failure length is one for all families
 (`data_sheet.toml`). A fabric says what has been assumed:
 `Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and
 `lines` is what a command prints and records. `shear_ends`, `solid_ends`, `crimp_ends`,
@@ -20,13 +21,16 @@ from dataclasses import replace
 
 from fabrics import plausible
 from fabrics.base.errors import InputError
+from fabrics.base.units import si
 from fabrics.data_sheet import (
     FAMILIES,
     FRICTION_BETWEEN_PLIES,
     FRICTION_BETWEEN_YARNS,
+    FROM_MASS,
     FROM_THICKNESS,
     OF_SHOTS,
     crimps,
+    crimps_of_mass,
     entries,
     failure_length,
     ranges_of_fibre,
@@ -164,19 +168,28 @@ def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
     return replace(fabric, ranges=ranges)
 
 
-def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None) -> Fabric:
-    """Return a fabric whose crimp was computed from its thickness with `factor` times that
-    thickness.
+def of_thickness(
+    fabric: Fabric,
+    factor: float = 1.0,
+    share: float | None = None,
+    mass: float = 1.0,
+    straight_floats: float | None = None,
+) -> Fabric:
+    """Return a fabric whose crimp was computed from its sheet with `factor` times the thickness that
+    follows, or that the sheet has.
 
     An assumed trellis law follows the crimp.
 
     Parameters
     ----------
     share : height of the warp over that of both yarns; None takes that of `fabrics.data_sheet`
+    mass : factor on the areal density, if the crimp was computed from that
+    straight_floats : as of `fabrics.data_sheet.crimps`
 
     Raises
     ------
-    InputError : a yarn whose crimp is given is alone higher than half of the thickness
+    InputError : a yarn whose crimp is given is alone higher than half of the thickness, or an areal
+        density that these yarns do not have
     """
     known: list[float | None] = [yarn.crimp for yarn in fabric.weave.yarns]
     for number, computed in enumerate(_crimp_is_computed(fabric)):
@@ -184,32 +197,66 @@ def of_thickness(fabric: Fabric, factor: float = 1.0, share: float | None = None
             known[number] = None
     warp, weft = known
     weave = fabric.weave
-    thickness = factor * (fabric.thickness or 0.0)
-    crimp = crimps(weave.w, thickness, (warp, weft), share, weave.pattern)
-    other = fabric.with_yarns(crimp=crimp)
+    thickness = fabric.thickness or 0.0
+    other = fabric
+    if _is_of_mass(fabric):
+        counts = weave.warp_count, weave.weft_count
+        straight = [n * yarn.linear_density for n, yarn in zip(counts, weave.yarns)]
+        stated = mass * si(fabric.sources["areal_density"]["value"], "kg/m^2")
+        crimp = crimps_of_mass(weave.w, straight, stated, (warp, weft), share, weave.pattern)
+        other = fabric.with_yarns(crimp=crimp)
+        thickness = other.weave.thickness
+    if factor != 1.0 or not _is_of_mass(fabric):
+        of_height = crimps(
+            weave.w, factor * thickness, (warp, weft), share, weave.pattern, straight_floats
+        )
+        other = fabric.with_yarns(crimp=of_height)
     if "shear" in fabric.assumed:
         return with_shear(replace(other, shear=None))
     return other
 
 
 def _crimp_is_computed(fabric):
-    """Whether the crimp of warp and of weft was computed from the thickness."""
-    return [fabric.sources[f"{family}.crimp"]["source"] == FROM_THICKNESS for family in FAMILIES]
+    """Whether the crimp of warp and of weft was computed from areal density or thickness."""
+    origins = [fabric.sources[f"{family}.crimp"]["source"] for family in FAMILIES]
+    return [origin in (FROM_MASS, FROM_THICKNESS) for origin in origins]
+
+
+def _is_of_mass(fabric):
+    """Whether crimp was computed from the areal density."""
+    return any(fabric.sources[f"{family}.crimp"]["source"] == FROM_MASS for family in FAMILIES)
+
+
+def entries_of_crimp(fabric: Fabric) -> list[str]:
+    """List the numbers of `data_sheet.toml` that a computed crimp follows from."""
+    if _is_of_mass(fabric):
+        return ["areal_density", "warp_share"]
+    names = ["thickness", "warp_share"]
+    if not fabric.weave.pattern.is_plain:
+        names.append("straight_floats")
+    return names
 
 
 def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """Return the fabric with each end of the thickness, or of the warp's share, that its crimp was
-    computed from: {words: Fabric}.
+    """Return the fabric with each end of what its crimp was computed from, areal density or thickness,
+    the warp's share, and how long a change of sides takes: {words: Fabric}.
 
     Empty if both crimps are given; the share is varied if neither is.
     """
     if "crimp" not in fabric.assumed:
         return {}
-    thickness = entries()["thickness"]
-    share = entries()["warp_share"]
+    first, *others = entries_of_crimp(fabric)
+    known = entries()
+    share = known["warp_share"]
     ends = {}
-    for factor in (thickness.low, thickness.high):
-        ends[f"thickness times {factor:g}"] = {"factor": factor}
+    for factor in (known[first].low, known[first].high):
+        if first == "areal_density":
+            ends[f"areal density times {factor:g}"] = {"mass": factor}
+        else:
+            ends[f"thickness times {factor:g}"] = {"factor": factor}
+    if "straight_floats" in others:
+        low = known["straight_floats"].low
+        ends["changes of sides as long as floats"] = {"straight_floats": low}
     if all(_crimp_is_computed(fabric)):
         for value in (share.low, share.high):
             ends[f"warp share {value:g}"] = {"share": value}
@@ -394,7 +441,12 @@ def _own_lines(fabric):
 
 
 def _crimp_line(fabric):
-    thickness = entries()["thickness"]
+    first, *others = entries_of_crimp(fabric)
+    entry = entries()[first]
+    if first == "areal_density":
+        origin = f"the areal density {fabric.sources[first]['value']}"
+    else:
+        origin = f"the thickness {1e3 * (fabric.thickness or 0):g} mm"
     fabrics = fabric, *crimp_ends(fabric).values()
     warp, weft = zip(*([yarn.crimp for yarn in each.weave.yarns] for each in fabrics))
     crimp = _percent(warp[0], weft[0])
@@ -404,9 +456,11 @@ def _crimp_line(fabric):
     if all(_crimp_is_computed(fabric)):
         share = entries()["warp_share"].written
         more = f" and a warp share of the yarn heights of {share}"
+    if "straight_floats" in others:
+        more += " and changes of sides over one spacing (.. a float)"
     return (
-        f"assumed: crimp {crimp} % of warp / weft ({low} .. {high} %), from the thickness "
-        f"{1e3 * (fabric.thickness or 0):g} mm (times {thickness.low:g} .. {thickness.high:g}){more}"
+        f"assumed: crimp {crimp} % of warp / weft ({low} .. {high} %), from {origin} "
+        f"(times {entry.low:g} .. {entry.high:g}){more}"
     )
 
 

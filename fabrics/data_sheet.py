@@ -10,6 +10,15 @@ thickness of the fabric:
 with S of thesis eq. 4-3. t is also the thickness of the shell (thesis section 6.6). The share s of
 the warp is on no data sheet: `data_sheet.toml` has its value with a range, and that of the
 thickness.
+
+In a weave with floats a yarn changes sides over a share f of its spacings, and how long it takes for
+that is not known: from one spacing (x = 1) to the whole way to the next change (x = 0),
+
+    crimp_i = f a (S(w_i, h_i / a) / 2 w_i - 1),   a = 1 + (1 - x) (1 / f - 1)
+
+The areal density m = n1 lambda1 (1 + crimp_1) + n2 lambda2 (1 + crimp_2) does not depend on it. Where
+a sheet states m, the crimp of such a weave is that of the thickness which gives m; so is that of any
+weave without a stated thickness.
 """
 
 from __future__ import annotations
@@ -33,6 +42,7 @@ Crimps: TypeAlias = tuple[float | None, float | None]
 
 
 FROM_THICKNESS = "computed from the thickness"
+FROM_MASS = "computed from the areal density"
 # names of `data_sheet.toml`: numbers that no fabric file has, for shots with fabrics that are not of the catalogue
 STRENGTH_AFTER_WEAVING = "strength after weaving"
 FRICTION_OF_PROJECTILE = "friction of the projectile"
@@ -72,6 +82,7 @@ def crimps(
     known: Crimps = (None, None),
     share: float | None = None,
     pattern: Pattern = PLAIN,
+    straight_floats: float | None = None,
 ) -> tuple[float, float]:
     """Compute the crimp of warp and weft [-] of a weave of this thickness.
 
@@ -83,6 +94,8 @@ def crimps(
     share : height of the warp over the sum of both, if neither is given; None takes that of
         `data_sheet.toml`
     pattern : of the weave; a yarn is straight where it floats on
+    straight_floats : [-] x, the share of a float that is straight; None takes that of
+        `data_sheet.toml`
 
     Raises
     ------
@@ -91,20 +104,22 @@ def crimps(
     """
     if share is None:
         share = entries()["warp_share"].value
+    if straight_floats is None:
+        straight_floats = entries()["straight_floats"].value
     half = thickness / 2
     heights = [share * half, (1 - share) * half]
     for i, j in ((0, 1), (1, 0)):
         crimp = known[i]
         if crimp is None:
             continue
-        heights[i] = height_from_length(w[i], 2 * w[i] * (1 + crimp / pattern.interlacings[i]))
+        heights[i] = _height(w[i], crimp, pattern.interlacings[i], straight_floats)
         if known[j] is None:
             heights[j] = half - heights[i]
             if not heights[j] > 0:
                 least = f"above {2e3 * heights[i]:.3f} mm, twice the height that the crimp of the {FAMILIES[i]} takes"
                 raise InputError(key="thickness", value=thickness, allowed=least)
     first, second = (
-        f * (float(arc_length(w_i, h)) / (2 * w_i) - 1) if c is None else c
+        _crimp(w_i, h, f, straight_floats) if c is None else c
         for w_i, h, c, f in zip(w, heights, known, pattern.interlacings)
     )
     limits = OF_YARN["crimp"]
@@ -114,6 +129,78 @@ def crimps(
             f"one that gives a crimp from {limits.bounds['']} at these counts, not {percent:.4g} %"
         )
         raise InputError(key="thickness", value=thickness, allowed=allowed)
+    return first, second
+
+
+def _crimp(w, height, share, straight_floats):
+    """Crimp [-] of a yarn of a height that changes sides over a share of its spacings."""
+    longer = 1 + (1 - straight_floats) * (1 / share - 1)
+    return share * longer * (float(arc_length(w, height / longer)) / (2 * w) - 1)
+
+
+def _height(w, crimp, share, straight_floats):
+    """Height [m] of a yarn of a crimp: the inverse of `_crimp`."""
+    longer = 1 + (1 - straight_floats) * (1 / share - 1)
+    return longer * height_from_length(w, 2 * w * (1 + crimp / (share * longer)))
+
+
+def crimps_of_mass(
+    w: Sequence[float],
+    straight: Sequence[float],
+    areal_density: float,
+    known: Crimps = (None, None),
+    share: float | None = None,
+    pattern: Pattern = PLAIN,
+) -> tuple[float, float]:
+    """Compute the crimp of warp and weft [-] of a weave of this areal density [kg/m2].
+
+    Parameters
+    ----------
+    straight : (warp, weft) [kg/m2] areal densities of the yarns without crimp
+    w, known, share, pattern : as of `crimps`
+
+    Raises
+    ------
+    InputError : less mass than straight yarns have, or more than the most crimped ones
+    """
+    if share is None:
+        share = entries()["warp_share"].value
+    most = OF_YARN["crimp"].limits("")[1]
+
+    def mass_of(crimp):
+        return sum(mass * (1 + c) for mass, c in zip(straight, crimp))
+
+    def crimp_of(thickness):
+        heights = 0.5 * share * thickness, 0.5 * (1 - share) * thickness
+        return [_crimp(*of, 1.0) for of in zip(w, heights, pattern.interlacings)]
+
+    def with_unknown(crimp):
+        return [crimp if one is None else one for one in known]
+
+    low = mass_of(with_unknown(0.0))
+    high = mass_of(with_unknown(most))
+    found = [-1.0, -1.0]
+    if None not in known:
+        found = with_unknown(0.0)
+    elif low < areal_density < high and known == (None, None):
+        from scipy.optimize import brentq
+
+        thickest = 8 * max(w)  # of far more crimp than the most
+        thickness = brentq(
+            lambda t: mass_of(crimp_of(t)) - areal_density, 0.0, thickest, xtol=1e-15, rtol=1e-14
+        )
+        found = crimp_of(thickness)
+    elif low < areal_density < high:
+        unknown = sum(mass for mass, one in zip(straight, known) if one is None)
+        found = with_unknown((areal_density - low) / unknown)
+    first, second = found
+    if not 0 <= min(first, second) <= max(first, second) <= most:
+        allowed = (
+            f"{1e3 * low:.4g} to {1e3 * high:.4g} g/m^2, which these yarns have with a crimp of 0 to "
+            f"{100 * most:g} %; or give crimp"
+        )
+        value = f"{1e3 * areal_density:g} g/m^2"
+        raise InputError(key="areal_density", value=value, allowed=allowed)
     return first, second
 
 
@@ -284,7 +371,8 @@ def width_notes(file: FabricFile) -> list[str]:
 
 
 def thickness_note(weave: Weave, stated: float) -> list[str]:
-    """Write a line if the crimps give another thickness than the stated one [m].
+    """Write a line if the crimps give another thickness than the stated one [m]. That of a weave with
+    floats also depends on how long a change of sides takes, and is not refused.
 
     Raises
     ------
@@ -309,8 +397,11 @@ def thickness_note(weave: Weave, stated: float) -> list[str]:
     allowed = (
         f"within {{}} of {computed:.3f} mm, which the crimps give: check crimp, count and thickness"
     )
-    off = disagreement(weave.thickness, stated, "thickness", f"{1e3 * stated:g} mm", allowed)
-    if off is None:
+    if weave.pattern.is_plain:
+        off = disagreement(weave.thickness, stated, "thickness", f"{1e3 * stated:g} mm", allowed)
+        if off is None:
+            return []
+    elif abs(weave.thickness / stated - 1) < NOTED:
         return []
     return [
         f"note: the crimps give a thickness of {computed:.3f} mm, the file states {1e3 * stated:g} mm; the "

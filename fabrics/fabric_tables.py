@@ -393,7 +393,8 @@ class FabricFile(DataTable):
         {"m": "0 to 5 mm"},
     ) = None
     areal_density: _data(
-        "of the data sheet; checked against counts, linear densities and crimp",
+        "of the data sheet; checked against counts, linear densities and crimp; a missing crimp of a weave "
+        "with floats, or without a thickness, is computed from it",
         "200 g/m^2",
         {"kg/m^2": "5 to 5000 g/m^2"},
     ) = None
@@ -436,8 +437,11 @@ class FabricFile(DataTable):
     @model_validator(mode="after")
     def _of_known_crimp(self):
         missing = [f"{family}.crimp" for family, yarn in self.yarns.items() if yarn.crimp is None]
-        if missing and self.thickness is None:
-            allowed = 'given, such as "1.2 %", or computed: give thickness, such as "0.3 mm", above [warp]'
+        if missing and self.thickness is None and self.areal_density is None:
+            allowed = (
+                'given, such as "1.2 %", or computed: give thickness, such as "0.3 mm", or areal_density, '
+                "above [warp]"
+            )
             raise together([InputError("is missing", key=key, allowed=allowed) for key in missing])
         return self
 

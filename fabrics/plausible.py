@@ -19,6 +19,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import AS_WRITTEN, InputError
 from fabrics.base.files import read_data
 from fabrics.base.units import NUMBER, si
+from fabrics.data_sheet import FROM_MASS, FROM_THICKNESS
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
@@ -188,9 +189,12 @@ def _of_yarns(fabric):
 
 
 def _crimp(fabric, family, yarn):
-    """The crimp of a yarn, which may have been computed from the thickness."""
+    """The crimp of a yarn, which may have been computed from areal density or thickness."""
     key = f"{family}.crimp"
-    if fabric.sources.get(key, {}).get("status") == "derived":
+    source = fabric.sources.get(key, {}).get("source")
+    if source == FROM_MASS:
+        return Number("areal_density", "crimp_of_mass", yarn.crimp)
+    if source == FROM_THICKNESS:
         return Number("thickness", "crimp_of_thickness", yarn.crimp)
     return Number(key, "crimp", yarn.crimp)
 

@@ -250,18 +250,35 @@ def _of_both(table, key, pair, build):
 
 
 def _crimps(file, thickness, sources, pattern):
-    """((warp, weft) crimp, whether one of them was computed from the thickness)."""
+    """((warp, weft) crimp, whether one of them was computed from areal density or thickness)."""
     known = tuple(_value(yarn.crimp) for yarn in file.yarns.values())
     if None not in known:
         return known, False
     # half cell lengths along warp and weft
     cells = (0.5 / file.weft.count.value, 0.5 / file.warp.count.value)
-    crimp = data_sheet.crimps(cells, thickness, known, pattern=pattern)
+    crimp = source = None
+    # the thickness of a weave with floats does not tell its crimp: how long a change of sides takes
+    # is not known
+    if file.areal_density is not None and (thickness is None or not pattern.is_plain):
+        yarns = file.yarns.values()
+        straight = [yarn.count.value * data_sheet.linear_density(yarn) for yarn in yarns]
+        source = data_sheet.FROM_MASS
+        try:
+            crimp = data_sheet.crimps_of_mass(
+                cells, straight, file.areal_density.value, known, pattern=pattern
+            )
+        except InputError:
+            # a rounded mass may be below that of straight yarns
+            if thickness is None:
+                raise
+    if crimp is None:
+        crimp = data_sheet.crimps(cells, thickness, known, pattern=pattern)
+        source = data_sheet.FROM_THICKNESS
     for family, given, value in zip(FAMILIES, known, crimp):
         if given is None:
             entry = {
                 "value": f"{100 * value:.3f} %",
-                "source": data_sheet.FROM_THICKNESS,
+                "source": source,
                 "status": "derived",
             }
             sources[f"{family}.crimp"] = entry

@@ -13,7 +13,7 @@ from fabrics import assumed, catalogue, ply_laws, variants
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import ADDED_LATER, inputs_digest
 from fabrics.pattern import PLAIN, Pattern
-from fabrics.weave import Weave
+from fabrics.weave import Weave, arc_length
 from meshing.mesh_plan import Plan
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.setup import ImpactSetup
@@ -123,6 +123,84 @@ def test_crimp_of_a_thickness_is_that_of_plain_weave_times_the_interlacings(own)
     assert basket.weft.crimp == pytest.approx(plain.weft.crimp / 2)
     assert basket.h0 == pytest.approx(plain.h0)
     assert basket.thickness == pytest.approx(0.6e-3)
+
+
+def mass_of_crimps(fabric):
+    """[g/m2] of crimped yarns, by hand."""
+    yarns, counts = (fabric.weave.warp, fabric.weave.weft), (35 / 0.0254, 34 / 0.0254)
+    return 1e3 * sum(n * 1500 / 9e6 * (1 + yarn.crimp) for yarn, n in zip(yarns, counts))
+
+
+@pytest.mark.parametrize("weave", ["basket 2x2", "twill 3/1", "satin 5"])
+def test_the_areal_density_tells_the_crimp_of_a_weave_with_floats(weave, own):
+    """491 g/m2 of style 735: the mean crimp is that of the mass, its parts have the share of the heights."""
+    path = own(weave)
+    text = path.read_text()
+    path.write_text('areal_density = "484 g/m^2"\n' + text)
+    fabric = catalogue.load(path)
+    assert mass_of_crimps(fabric) == pytest.approx(484)
+    assert fabric.weave.h01 / sum(fabric.weave.h0) == pytest.approx(0.63)
+    assert fabric.weave.thickness > 0.62e-3
+    assert any("the file states 0.6 mm; the crimps are used" in note for note in fabric.notes)
+    told = next(line for line in assumed.lines(fabric) if "crimp" in line)
+    assert "from the areal density 484 g/m^2 (times 0.98 .. 1.02)" in told
+    ends = assumed.crimp_ends(fabric)
+    light, heavy = (ends[f"areal density times {x}"] for x in ("0.98", "1.02"))
+    assert mass_of_crimps(light) == pytest.approx(0.98 * 484)
+    assert mass_of_crimps(heavy) == pytest.approx(1.02 * 484)
+    # one crimp that is given leaves the rest of the mass to the other
+    path.write_text(
+        'areal_density = "484 g/m^2"\n' + text.replace("[weft]", '[weft]\ncrimp = "4 %"')
+    )
+    one = catalogue.load(path)
+    assert one.weave.weft.crimp == 0.04
+    assert mass_of_crimps(one) == pytest.approx(484)
+
+
+def test_a_plain_sheet_with_a_thickness_keeps_the_crimp_of_it(own):
+    """Without one the mass tells it; a mass of straight yarns or less tells none."""
+    path = own("plain")
+    text = path.read_text()
+    crimp = catalogue.load(path).weave.warp.crimp
+    path.write_text('areal_density = "484 g/m^2"\n' + text)
+    assert catalogue.load(path).weave.warp.crimp == crimp
+    light = text.replace('thickness = "0.60 mm"', 'areal_density = "484 g/m^2"')
+    path.write_text(light)
+    assert mass_of_crimps(catalogue.load(path)) == pytest.approx(484)
+    path.write_text(light.replace("484", "450"))
+    with pytest.raises(InputError) as refused_mass:
+        catalogue.load(path)
+    for word in ("areal_density = '450 g/m^2'", "452.8 to", "give crimp"):
+        assert word in str(refused_mass.value)
+
+
+def test_a_sheet_with_floats_and_a_mass_of_straight_yarns_keeps_the_thickness(own):
+    path = own("twill 2/2")
+    of_thickness = catalogue.load(path)
+    path.write_text('areal_density = "450 g/m^2"\n' + path.read_text())
+    assert catalogue.load(path).weave.warp.crimp == of_thickness.weave.warp.crimp
+
+
+def test_masses_of_three_weaves_of_a_thickness_are_within_2_percent(own):
+    """Style 735 of 35 by 35 per inch has 491 g/m2 and 0.60 mm."""
+    masses = []
+    for weave in ("basket 2x2", "twill 2/2", "crowfoot"):
+        path = own(weave)
+        path.write_text(path.read_text().replace("34 / inch", "35 / inch"))
+        masses.append(1e3 * catalogue.load(path).weave.areal_density)
+    assert masses == pytest.approx([491] * 3, rel=0.02)
+
+
+def test_a_long_change_of_sides_is_an_end_of_the_crimp_of_a_thickness(own):
+    """As long as a float: a plain weave of groups, twice as long and as high, of the same slope."""
+    fabric = catalogue.load(own("basket 2x2"))
+    end = assumed.crimp_ends(fabric)["changes of sides as long as floats"]
+    weave = fabric.weave
+    groups = arc_length(2 * weave.w1, weave.h01) / (4 * weave.w1) - 1
+    assert end.weave.warp.crimp == pytest.approx(groups)
+    assert end.weave.warp.crimp < 0.6 * weave.warp.crimp
+    plain = assumed.crimp_ends(catalogue.load(own("plain")))
+    assert not any("changes" in words for words in plain)
 
 
 def test_a_weave_that_is_not_stated_is_assumed_and_told(own):

@@ -385,6 +385,15 @@ def _sources(data):
     return DataFrame.from_dict(rows, orient="index").rename_axis("key").astype(str)
 
 
+# what a computed crimp follows from (`assumed.entries_of_crimp`), as a row of a table names it
+_CRIMP_ROWS = {
+    "areal_density": "areal density, factor",
+    "thickness": "thickness, factor",
+    "warp_share": "warp share of the heights",
+    "straight_floats": "share of a float that is straight",
+}
+
+
 def _assumptions(plain, whole):
     """(key, value with its range, source) of what the file does not give and a command takes in its
     place."""
@@ -397,11 +406,12 @@ def _assumptions(plain, whole):
             crimp, *others = [100 * fabric.weave.yarns[k].crimp for fabric in (whole, *ends)]
             low = min(crimp, *others)
             high = max(crimp, *others)
-            if plain.sources[f"{family}.crimp"]["source"] == data_sheet.FROM_THICKNESS:
+            origin = plain.sources[f"{family}.crimp"]["source"]
+            if origin in (data_sheet.FROM_MASS, data_sheet.FROM_THICKNESS):
                 span = f"{crimp:.2f} % ({low:.2f} .. {high:.2f} %)"
-                rows.append((f"{family}.crimp", span, data_sheet.FROM_THICKNESS))
-        rows += [("thickness, factor", *_read_entry("thickness"))]
-        rows += [("warp share of the heights", *_read_entry("warp_share"))]
+                rows.append((f"{family}.crimp", span, origin))
+        for name in assumed.entries_of_crimp(whole):
+            rows.append((_CRIMP_ROWS[name], *_read_entry(name)))
     of_fabric = assumed.shot_entries(whole)
     of_fabric["failure_length"] = data_sheet.failure_length(whole.weave)
     for name, entry in of_fabric.items():

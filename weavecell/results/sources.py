@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 # what a fabric file gives and no run uses
 _UNUSED = ("micrograph.", "areal_density_measured")
-_OF_CRIMP = ("thickness", "warp_share")
 
 
 class Source(NamedTuple):
@@ -74,7 +73,7 @@ def _of_fabric(fabric: Fabric) -> Iterator[Source]:
     standing_in = assumed.shot_entries(fabric)
     names = [name for name in fabric.assumed if name in standing_in]
     if "crimp" in fabric.assumed:
-        names += _OF_CRIMP
+        names += assumed.entries_of_crimp(fabric)
     for name in names:
         entry = standing_in.get(name) or data_sheet.entries()[name]
         yield Source(fabric.name, name, entry.status, entry.source)

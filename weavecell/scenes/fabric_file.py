@@ -43,7 +43,10 @@ WEAVE = "weave"
 REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
 ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
 # key of REQUIRED that may be left out: keys of which one then stands in for it
-INSTEAD = {"failure_strain": ("strength", BREAKING, "tenacity"), "crimp": ("thickness",)}
+INSTEAD = {
+    "failure_strain": ("strength", BREAKING, "tenacity"),
+    "crimp": ("thickness", "areal_density"),
+}
 # which the tensile curve of a yarn gives
 OF_YARN_CURVE = ("modulus", "failure_strain")
 # of which a fibre family has a typical value
