@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.patches import Ellipse, Polygon, Rectangle
 
-from fabrics.pattern import PLAIN
+from fabrics.pattern import PLAIN, Pattern
 from weavecell.report.pictures_figure import plots
 from weavecell.report.pictures_style import FAINT, INK, STEEL, WARP, WEFT
 
@@ -61,23 +61,39 @@ def band(ax, x, z, half, colour):
     ax.plot(x, z, color=colour)
 
 
-def weave(pyplot):
-    """Draw a plain weave from above and in section, with its dimensions."""
-    figure, (plan, section) = bare(pyplot, 2, (11, 4.0), width_ratios=(1, 1.35))
-    count, spacing, width = 4, 1.0, 0.74
+def lay_yarns(plan, pattern, count):
+    """Draw `count` warp yarns along x and weft yarns along y, which lie over each other by a pattern."""
+    width = 0.74
     for k in range(count):
-        at = k * spacing - 0.5 * width
+        at = k - 0.5 * width
         plan.add_patch(Rectangle((-0.7, at), count + 0.4, width, color=WARP, alpha=0.85, lw=0))
     for k in range(count):
-        at = k * spacing - 0.5 * width
+        at = k - 0.5 * width
         plan.add_patch(Rectangle((at, -0.7), width, count + 0.4, color=WEFT, lw=0))
     for i in range(count):
         for j in range(count):
-            if PLAIN.is_warp_up(i, j):
-                plan.add_patch(Rectangle((i - 0.5, j - 0.5 * width), 1, width, color="white", lw=0))
-                plan.add_patch(
-                    Rectangle((i - 0.5, j - 0.5 * width), 1, width, color=WARP, alpha=0.85, lw=0)
-                )
+            if pattern.is_warp_up(j, i):
+                over = (i - 0.5, j - 0.5 * width), 1, width
+                plan.add_patch(Rectangle(*over, color="white", lw=0))
+                plan.add_patch(Rectangle(*over, color=WARP, alpha=0.85, lw=0))
+
+
+def weaves(pyplot):
+    """Draw weaves from above, each from its pattern."""
+    names = ("plain", "basket 2x2", "twill 2/2", "twill 3/1", "crowfoot", "satin 5")
+    figure, axes = bare(pyplot, len(names), (11, 2.3))
+    for ax, name in zip(axes, names):
+        count = 8
+        lay_yarns(ax, Pattern.read(name), count)
+        ax.set(xlim=(-0.8, count - 0.2), ylim=(-0.8, count - 0.2))
+        ax.set_title(name, color=INK, fontsize=10)
+    return figure
+
+
+def weave(pyplot):
+    """Draw a plain weave from above and in section, with its dimensions."""
+    figure, (plan, section) = bare(pyplot, 2, (11, 4.0), width_ratios=(1, 1.35))
+    lay_yarns(plan, PLAIN, 4)
     plan.add_patch(Rectangle((0.5, 1.5), 1, 1, fill=False, ls="--", color=INK, lw=2))
     measure(plan, (0.5, -0.85), (1.5, -0.85), "$2w_1$", (0, -0.28))
     measure(plan, (-0.85, 1.5), (-0.85, 2.5), "$2w_2$", (-0.38, 0))
@@ -239,7 +255,7 @@ def contact(pyplot):
     return figure
 
 
-DRAWINGS = {"weave": weave, "cell": cell, "mesh": mesh, "contact": contact}
+DRAWINGS = {"weave": weave, "weaves": weaves, "cell": cell, "mesh": mesh, "contact": contact}
 
 if __name__ == "__main__":
     main(*sys.argv[1:])
