@@ -322,12 +322,8 @@ class Interval:
         mixed = [place for place, runs in runs_at.items() if len({run.outcome for run in runs}) > 1]
         if self.decides == (PLACE,) and not mixed:
             return ", ".join(_say_place(place, runs) for place, runs in runs_at.items())
-        _, strongest = self.known[0]
-        _, weakest = self.known[-1]
-        ends = [_say_frictions(run.variation.frictions) for run in (strongest, weakest)]
-        if ends[0] == ends[1]:
-            ends[0] = []
-        return ", ".join(_say_run(run, words) for run, words in zip((strongest, weakest), ends))
+        ends = [_say_end(run) for _, run in (self.known[0], self.known[-1])]
+        return " to ".join(ends)
 
 
 def _say_span(low, high):
@@ -346,11 +342,8 @@ def _say_place(place, runs):
     return f"{outcome} {place.name} with {_say_span(min(values), max(values))} left"
 
 
-def _say_run(run, frictions):
-    """The outcome of a run, where it was struck, and its frictions in words."""
-    words = f"{run.outcome} {run.variation.place.name}"
-    if run.outcome != "stopped":
-        words += f" with {run.value:.1f} m/s left"
-    if frictions:
-        words += f" ({', '.join(frictions)})"
-    return words
+def _say_end(run):
+    """The outcome of a run with what is left."""
+    if run.outcome == "stopped":
+        return run.outcome
+    return f"{run.outcome} with {run.value:.1f} m/s left"
