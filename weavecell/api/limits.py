@@ -247,7 +247,7 @@ def critical_velocity(
         a set-up of `setup`
     interval : the answer over what nobody knows, with resolved yarns: the places by the nose that are
         struck, and both ends of each friction that nobody gave, between yarns, on the nose and
-        between plies; or what decides. Two to seven searches, whose cost is told before
+        between plies; or what decides. One to six searches, whose cost is told before
     tolerance : largest difference between highest stop and lowest perforation [m/s]; if not given 1
         m/s of one ply (with `interval` about 2 %), about 5 % of a pack
     v50_shots : shots 3 to 15 % above the bracket, of whose residual velocities V50 is made; if not

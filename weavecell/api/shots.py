@@ -221,7 +221,7 @@ def impact(
     velocity : of a fabric, [m/s] of the strike
     interval : the answer over what nobody knows, with resolved yarns: the places by the nose that are
         struck, and both ends of each friction that nobody gave, between yarns, on the nose and
-        between plies; or what decides. Two to seven shots, whose cost is told before
+        between plies; or what decides. One to six shots, whose cost is told before
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
         set-up; without this option a command does so if a law or the crimp is assumed; in Python
         "laws" does. Refused of a pack and with [accuracy], which take too long for it
