@@ -16,20 +16,26 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,installed unitcell3d meshing weavecell refusals)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow test-processor test-generic nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again kernels setup clean
+.PHONY: demo test test-slow test-nightly test-processor test-generic nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again kernels setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
-test test-slow test-processor test-generic printed mutants package ledger convergence fuzz studies stale pages lint: export EXTRAS = app,dev
+test test-slow test-nightly test-processor test-generic printed mutants package ledger convergence fuzz studies stale pages lint: export EXTRAS = app,dev
 test: export KERNELS = all
 test: setup  ## everything but the long validation runs, then the style
 	$(QUICK) $(WITH_SOLID)
 	$(QUICK) tests $(WITH_SOLID:%=--ignore=%)
 	$(MAKE) lint
 
-test-slow: setup  ## the long tests, the published outcomes among them; each process takes the next as it gets free
-	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m "slow and not printed"
+# each process takes the next test as it gets free
+LONG = $(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1
+
+test-slow: setup  ## the long tests, the published outcomes among them
+	$(LONG) -m "slow and not printed and not nightly"
+
+test-nightly: setup  ## the longest tests, of which test-slow has a cheaper kind
+	$(LONG) -m nightly
 
 # tests that hold computed numbers, and of `fabrics.base.sums`: they run once more as on other processors
 NUMBERS = $(addprefix tests/,test_golden.py test_processor_places.py fabrics/test_sums.py fabrics/test_laws.py \
@@ -46,10 +52,10 @@ test-generic: setup  ## the same with kernels compiled for any processor: minute
 	$(GENERIC) $(OTHER) $(QUICK) $(NUMBERS)
 
 printed: setup  ## every command that the guide prints, run as a reader would: twenty minutes of one core
-	$(RUN) pytest -n $(JOBS) --dist load --maxschedchunk 1 -m printed
+	$(LONG) -m printed
 
 nightly:  ## all that takes too long for a test, one after the other; goes on after one that fails, and names those
-	$(MAKE) --keep-going --jobs 1 test-generic fuzz ledger stale printed docs-again package convergence mutants
+	$(MAKE) --keep-going --jobs 1 test-nightly test-generic fuzz ledger stale printed docs-again package convergence mutants
 
 mutants: setup  ## planted defects, each with the tests nearest to it: more than an hour; fails where fewer than 95 % are found
 	nice $(RUN:-m=) tools/mutants.py --out $(RESULTS)/mutants.csv --least 0.95

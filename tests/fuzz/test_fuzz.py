@@ -12,7 +12,7 @@ SEED = 0
 # the first scene takes longer than the next six together
 @pytest.mark.parametrize(
     "chosen",
-    [range(1, 6), pytest.param(range(40), marks=pytest.mark.slow(400))],
+    [range(1, 6), pytest.param(range(40), marks=[pytest.mark.nightly, pytest.mark.slow(400)])],
     ids=lambda chosen: f"{len(chosen)}",
 )
 def test_random_scenes_end_as_their_input_says_with_balanced_energy(tmp_path, chosen):
