@@ -59,6 +59,14 @@ def test_the_nightly_job_has_the_lowest_and_the_newest_packages():
     assert "make nightly" in nightly
     makefile = (ROOT / "Makefile").read_text("utf-8")
     (parts,) = re.findall(r"--keep-going --jobs 1 (.*)", makefile)
-    assert {"test-nightly", "fuzz", "ledger", "printed", "docs-again", "package", "convergence"} <= {*parts.split()}
+    assert {
+        "test-nightly",
+        "fuzz",
+        "ledger",
+        "printed",
+        "docs-again",
+        "package",
+        "convergence",
+    } <= {*parts.split()}
     for kind in ("wheel", "lowest", "newest", "base"):
         assert f"\ttools/package.sh {kind}\n" in makefile
