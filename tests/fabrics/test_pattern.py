@@ -347,3 +347,17 @@ def test_a_command_refuses_it_in_one_line_and_writes_nothing(command, own, tmp_p
     assert done.exception.exit_code == 2
     assert "weave = 'satin 5': must be" in str(done.exception)
     assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize("zone", [{}, {"crossovers": "yarns"}])
+def test_the_check_of_a_patch_refuses_what_its_solid_yarns_do(zone, own):
+    text = refused(lambda: wc.patch(own("basket 2x2"), "90 m/s", check=True, **zone))
+    assert "plain for a patch" in text
+
+
+@pytest.mark.parametrize("point", [{}, {"impact_point": ("0 mm", "0 mm")}])
+def test_an_interval_takes_a_pattern_that_no_plane_mirrors(point, own):
+    """Pinned yarns of the same shot would be computed as a quarter."""
+    setup = {"opening": "30 mm", "end_time": "8 us", **point}
+    made = wc.impact.plan(own("basket 2x2"), "90 m/s", interval=True, **setup)
+    assert {run.setup.symmetry for run in made.first} == {"whole"}

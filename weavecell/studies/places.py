@@ -99,11 +99,16 @@ def choose_places(setup: ImpactSetup, velocity: float) -> Places:
 
 
 def resolve(setup: ImpactSetup) -> ImpactSetup:
-    """Return the set-up with resolved yarns, of its own zone or of the default one."""
-    zone = setup.crossovers or setup.instead
+    """Return the set-up with resolved yarns: as it is, or as the whole panel with the zone that checks
+    choose by or the default one. The part of a panel that pinned yarns need is not that of resolved ones,
+    whose pattern may mirror itself in no plane.
+    """
+    if setup.crossovers is not None:
+        return setup
+    zone = setup.instead
     if zone is None:
         zone = YarnZone(friction=friction_between_yarns(*setup.fabrics).number)
-    return replace(setup, crossovers=zone, instead=None)
+    return replace(setup, crossovers=zone, instead=None, symmetry="whole")
 
 
 def strike_at(setup: ImpactSetup, place: Place) -> ImpactSetup:

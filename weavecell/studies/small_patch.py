@@ -109,6 +109,7 @@ class SmallPatch:
         refuse_unread(CellNumbers, shot, "solids", "solid yarns")
         refuse_unread(PanelNumbers, shot, "solids", "solid yarns")
         check_projectile(shot.projectile)
+        shot.fabric.weave.require_plain("a patch, whose solid yarns are of plain weave")
         assumed.with_solid_laws(shot.fabric)
         if self.place not in PLACES:
             raise InputError(key="struck", value=self.place, allowed=" or ".join(PLACES))
