@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,8 @@ REACH = 0.15  # of the stretch beyond the table; from 0.1 to 0.2 the tangent the
 _PIECE = 2000  # cells that are worked on together, so that what is in between stays in the cache
 
 
-class Packed(NamedTuple):
+@dataclass(frozen=True)
+class Packed:
     """A table as the kernels read it.
 
     Parameters
