@@ -74,16 +74,21 @@ def test_a_change_without_kernels_runs(name, copy):
     run_change(name, copy)
 
 
+@pytest.mark.parametrize("name", MOST_FILES)
+def test_a_change_applies(name, copy):
+    apply(name, copy, "--check")
+
+
 @pytest.mark.slow(40)
 @pytest.mark.parametrize(
     "name",
     [
-        "nose-shape",
         "nose-with-number",
-        "failure-criterion",
-        "failure-strain",
-        "part-from-file",
         "force",
+        *(
+            pytest.param(name, marks=pytest.mark.nightly)
+            for name in ("nose-shape", "failure-criterion", "failure-strain", "part-from-file")
+        ),
     ],
 )
 def test_a_change_with_kernels_runs(name, copy):
