@@ -180,7 +180,7 @@ def test_a_v50_whose_first_shots_unzip_is_of_resolved_yarns(monkeypatch, unzips)
 def test_the_cost_of_both_runs_is_known_before(study):
     chosen = study("S-726", check=True, **SPHERE)
     pinned = study("S-726", check=True, **SPHERE | {"crossovers": "pinned", "zone": None})
-    assert str(chosen).startswith(str(pinned))
+    assert str(chosen).splitlines()[:2] == str(pinned).splitlines()[:2]
     assert f"if the checks ask for resolved yarns, another {chosen.resolved.cost}" in str(chosen)
     assert chosen.resolved.cpu_time[1] > 0
 
