@@ -23,6 +23,7 @@ from fabrics.compression import CompressionLaw
 from weavecell.report import chapters, page
 from weavecell.report.shot import chapters_shot, moving, view
 from weavecell.results import provenance
+from weavecell.results.finding import Finding
 
 TARGETS = {
     "92.5 m/s": ("stopped", "thesis Figure 5-4"),
@@ -127,9 +128,11 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
         mesh = f"{size} mesh, {distance(solved.law)}"
         lead = __doc__.split("\n\n")[1].partition(" It takes")[0] + f" The 3D crossover: {mesh}."
         outcome = " ".join(f"{record.title}: {record.outcome}." for record in records)
+        doubts = dict.fromkeys(doubt for result in (solved, *shots) for doubt in result.doubts)
+        found = Finding("first shot", first.outcome, tuple(doubts), first.outcome)
         settings = chapters_shot.settings(setups[0])
         report = chapters.report(
-            title, lead, (used,), cards, sections, stamp, times, outcome, more=(settings,)
+            title, lead, (used,), cards, sections, stamp, times, found, outcome, (settings,)
         )
         page.write(report, out / "report.html")
         page.write_pictures(sections, out / "pictures")
