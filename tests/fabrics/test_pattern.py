@@ -19,6 +19,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.yarns.model import YarnZone
 from weavecell.cli.app import program
+from weavecell.report import chapters
 from weavecell.studies import choice
 
 ROOT = Path(__file__).parents[2]
@@ -361,3 +362,15 @@ def test_an_interval_takes_a_pattern_that_no_plane_mirrors(point, own):
     setup = {"opening": "30 mm", "end_time": "8 us", **point}
     made = wc.impact.plan(own("basket 2x2"), "90 m/s", interval=True, **setup)
     assert {run.setup.symmetry for run in made.first} == {"whole"}
+
+
+def test_a_page_shows_the_cell_of_crossings_of_several_kinds_by_their_mean(own, monkeypatch):
+    """A shot of resolved yarns and a pull-out take such a weave, and their pages have the cell."""
+    drawn = []
+    monkeypatch.setattr(chapters.pictures, "draw_figure", lambda *given: drawn.append(given[-1]))
+    for weave, said in (("crowfoot", True), ("basket 2x2", False)):
+        fabric = catalogue.load(own(weave))
+        text = chapters.cell(fabric, {"own": fabric.laws}).lead
+        assert ("mean of its crossings" in text) == said
+    warp, weft = drawn[0]["both yarns stretched alike"]["curves"]["own"]
+    assert 0 < warp[-1] != weft[-1] > 0

@@ -120,7 +120,10 @@ def cell(
             "both yarns stretched alike": (STRAINS, STRAINS),
             "warp stretched, weft held": (STRAINS, 0 * STRAINS),
         }
-    models = {label: CellModel(fabric, of, cell_model=model) for label, of in laws.items()}
+    # a run that does not take the mean of its crossings has refused the weave itself
+    models = {}
+    for label, of in laws.items():
+        models[label] = CellModel(fabric, of, cell_model=model, mean_crossing=True)
     share = np.linspace(0, 1, len(STRAINS))
     cases: dict[str, dict[str, Any]] = {}
     for title, (*strains, tension1, tension2) in _with_tensions(paths):
@@ -138,6 +141,8 @@ def cell(
     lead = "Tension of one yarn against the strain of the cell: lines are the shell's cell"
     if any(case["points"] for case in cases.values()):
         lead += ", circles the 3D crossover"
+    if not fabric.weave.pattern.has_like_crossings:
+        lead += ", by the mean of its crossings, which are of several kinds"
     caption = "Crimp exchange: each yarn bears on the other and carries load before it is straight."
     figure = pictures.draw_figure("cell", caption, pictures.cell, cases)
     points = []
