@@ -27,6 +27,7 @@ def test_what_is_accepted_without_a_word_is_found(tmp_path, monkeypatch):
     assert mutations.judge(mutant, tmp_path) == ("accepted without a word", 0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
+@pytest.mark.slow(90)
 def test_commands_that_end_at_random_are_made_whole():
     assert kills.main(["--seed", "5", "--count", "20"]) == 0

@@ -76,7 +76,6 @@ SCENES = {
         replace(SHOT, laws=SHORT_FIT),
         {"cell_model": "incompressible", "laws": None},
     ),
-    "node ahead of the strike": (replace(SHOT, plies=2, strike_velocity=200.0), FINER),
 }
 
 

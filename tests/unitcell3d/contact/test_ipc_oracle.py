@@ -12,7 +12,8 @@ from unitcell3d.cases import biaxial_and_platens
 END = 0.03e-3  # warp only, near failure
 
 
-@pytest.mark.slow(40)
+@pytest.mark.nightly
+@pytest.mark.slow(90)
 def test_barrier_and_penalty_give_one_answer(s720):
     """Warp alone to 0.03 mm: tensions and contact force within 1 %.
 

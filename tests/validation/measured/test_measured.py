@@ -95,7 +95,7 @@ def test_each_measure_is_what_its_name_says(monkeypatch):
     assert named <= set(COMPUTED)
 
 
-@pytest.mark.slow(180)
+@pytest.mark.slow(20)
 @pytest.mark.parametrize(
     "row", [row for row in rows.read() if row.coarse_case], ids=lambda row: row.id
 )

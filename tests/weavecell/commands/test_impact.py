@@ -23,6 +23,17 @@ EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
 SHORT = {"S-720-perforates"}
 # [s] of CPU time
 LONG = {"body-armour": 300, "hybrid-pack": 26, "S-728-accuracy": 18}
+NIGHTLY = 100  # [CPU s] from which an example runs nightly
+
+
+def marks_of_long(name):
+    """Those of a long example."""
+    seconds = LONG.get(name, 10)
+    if seconds < NIGHTLY:
+        return pytest.mark.slow(seconds)
+    return pytest.mark.slow(seconds), pytest.mark.nightly
+
+
 UNSTABLE = "\n[numerics]\ncontact_damping = 30.0\n"
 
 
@@ -124,8 +135,8 @@ def test_examples_can_be_run(succeed, example):
 @pytest.mark.parametrize(
     "example",
     [
-        pytest.param(p, marks=() if p.stem in SHORT else pytest.mark.slow(LONG.get(p.stem, 10)))
-        for p in EXAMPLES
+        pytest.param(path, marks=() if path.stem in SHORT else marks_of_long(path.stem))
+        for path in EXAMPLES
     ],
     ids=lambda path: path.stem,
 )

@@ -81,6 +81,7 @@ def test_a_bias_strip_of_zones(write):
         curves.bias_extension(path, thickness, (0.2, 0.25))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow(90)
 def test_a_bias_strip_of_the_coupon(write):
     """Two elements a crossover, 19 diagonals wide; its sides are staircases, and its width the mean between them.
