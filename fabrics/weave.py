@@ -141,6 +141,17 @@ class Weave:
         )
         return first, second
 
+    def say_calibration(self, path: object) -> str:
+        """Say which command gives a fabric of this weave its compression law: the 3D crossover is of
+        plain weave, others are fitted to tests.
+
+        path : of the fabric's file, or its name in the catalogue
+        """
+        command = f"weavecell calibrate {path}"
+        if not self.pattern.is_plain:
+            command += " --biaxial CURVES.csv"
+        return f"`{command}`"
+
     def require_plain(self, model: str) -> None:
         """Refuse a weave that is not plain, for a `model` that holds for plain weave alone.
 

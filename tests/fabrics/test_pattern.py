@@ -19,7 +19,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.yarns.model import YarnZone
 from weavecell.cli.app import program
-from weavecell.report import chapters
+from weavecell.report import chapters, derived
 from weavecell.studies import choice
 
 ROOT = Path(__file__).parents[2]
@@ -333,6 +333,15 @@ def _is_parity(node):
     if not isinstance(node.op, ast.Mod) or sides[1] != "2":
         return False
     return "add.outer" in sides[0] or isinstance(getattr(node.left, "op", None), ast.Add)
+
+
+def test_a_fabric_says_its_weave_and_which_command_gives_it_a_law(own):
+    plain = wc.fabric(own(""))
+    basket = wc.fabric(own("basket 2x2"))
+    assert ("weave", "basket 2x2") in derived.derive_rows(basket)
+    assert "weave" not in dict(derived.derive_rows(plain))
+    assert plain.weave.say_calibration("a.toml") == "`weavecell calibrate a.toml`"
+    assert basket.weave.say_calibration("a.toml").endswith("a.toml --biaxial CURVES.csv`")
 
 
 @pytest.mark.parametrize("command", ["biaxial", "mesh", "calibrate", "impact"])

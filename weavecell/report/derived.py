@@ -23,6 +23,8 @@ def derive_rows(fabric: Fabric) -> list[tuple[str, str]]:
     ]
     if fabric.effective_linear_density is not None:
         rows.insert(0, ("linear density", _densities(fabric)))
+    if not weave.pattern.is_plain:
+        rows.insert(0, ("weave", weave.pattern.name))
     if fabric.areal_density_measured is not None:
         rows.insert(
             -2, ("areal density, measured", f"{1e3 * fabric.areal_density_measured:.1f} g/m²")
