@@ -100,6 +100,11 @@ def keep(file: object, text: str, table: Mapping[str, Any]) -> None:
         _documents.popitem(last=False)
 
 
+def forget_keywords() -> None:
+    """Forget the keys that Python gave last: those of one call are not of the next."""
+    _documents.pop(_name(None), None)
+
+
 def note_fills(file: object, before: Any, after: Any, key: str) -> None:
     """Note that `key` of a file brings what the table `after` has and `before` has not."""
     document = _document(file)

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import isnan
 from typing import Any, ParamSpec, TypeVar, cast
 
+from fabrics.base import written
 from fabrics.base.errors import InputError
 from fabrics.base.values import plain
 from weavecell.api.result import Result
@@ -49,6 +50,7 @@ def take(
     ------
     InputError : one of another type than the signature says
     """
+    written.forget_keywords()
     declared = {name: str(one.annotation) for name, one in signature.parameters.items()}
     taken = [plain(value) for value in arguments]
     named = {key: plain(value) for key, value in options.items()}

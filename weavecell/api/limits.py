@@ -358,7 +358,8 @@ def _refuse_wide(width, tolerance, setup):
     """Refuse a tolerance [m/s] as wide as the limit is likely to be high, below which no shot is fired."""
     from weavecell.studies.ballistic_limit import first_guess
 
-    guess = first_guess(setup.target())
+    # with yarns that the checks choose the search begins pinned
+    guess = first_guess(replace(setup, instead=None).target())
     if width >= guess:
         allowed = f"below {guess:.0f} m/s, where the search for this limit begins"
         raise InputError(key="tolerance", value=tolerance, allowed=allowed)

@@ -45,7 +45,7 @@ ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
 # key of REQUIRED that may be left out: keys of which one then stands in for it
 INSTEAD = {
     "failure_strain": ("strength", BREAKING, "tenacity"),
-    "crimp": ("thickness", "areal_density"),
+    "crimp": ("areal_density", "thickness"),
 }
 # which the tensile curve of a yarn gives
 OF_YARN_CURVE = ("modulus", "failure_strain")

@@ -130,7 +130,7 @@ def test_first_guess_is_a_share_of_smiths_and_rises_with_the_plies(small):
 
 @pytest.fixture(scope="module", params=[1, 2], ids=["one ply", "two plies"])
 def searched(request):
-    """Search the limit of a small panel or pack, then shoot at both ends of the bracket and at 1.5 and 2 times its
+    """Search the limit of a small panel or pack, then shoot at both ends of the bracket and at 1.8 and 2 times its
     upper end, with another number of workers: (plies, target, Limit, [(share, shot)] of the progress, shots)."""
     plies = request.param
     target = Pack.stacked(make_panel(), plies, stacking="alternating", gap=1e-4)
@@ -138,7 +138,7 @@ def searched(request):
     found = ballistic_limit.critical_velocity(
         target, tolerance=4.0, jobs=plies, report=lambda share, shot: seen.append((share, shot))
     )
-    velocities = [found.low, found.high, 1.5 * found.high, 2 * found.high]
+    velocities = [found.low, found.high, 1.8 * found.high, 2 * found.high]
     return plies, target, found, seen, ballistic_limit.shoot(target, velocities, jobs=3 - plies)
 
 

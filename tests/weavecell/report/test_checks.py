@@ -123,9 +123,9 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(command, tmp_path,
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["checks"]["status"] == "doubtful"
     assert summary["stop_time_s"] is None
-    assert (
-        summary["residual_velocity_m_s"] * 30e-6 < summary["max_deflection_m"] < 92.5 * 30e-6 * 1.1
-    )
+    # the back face of two plies follows once their gap is closed
+    way = 30e-6 * summary["residual_velocity_m_s"] - (summary.get("ply_gap_m") or 0.0)
+    assert way < summary["max_deflection_m"] < 92.5 * 30e-6 * 1.1
     for name, yarn in zip(("warp", "weft"), catalogue.load("S-720").weave.yarns):
         # a yarn that has to take the crossing yarns along carries more than a lone one struck at this velocity
         assert smith(yarn, 92.5).tension < summary[f"peak_tension_{name}_N"] < yarn.strength

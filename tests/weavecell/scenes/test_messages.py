@@ -280,3 +280,11 @@ def test_amounts_of_other_dimensions_and_quotes_stay():
     assert amounts.in_unit_of("8 kg", text) == text
     assert amounts.in_unit_of(0.3, text) == text
     assert re.search("5 m .16.4 ft", amounts.in_unit_of("7 ft", text))
+
+
+def test_a_message_knows_nothing_of_the_keywords_of_another_call():
+    with pytest.raises(InputError, match=r"panel\.opening"):
+        wc.setup("S-720", "150 m/s", opening="1 mm")
+    with pytest.raises(InputError) as refused:
+        wc.sweep("S-720", over={"colour": ["red"]})
+    assert 'over={"panel.opening": ["150 mm", "200 mm"]}' in str(refused.value)
