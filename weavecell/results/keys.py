@@ -198,7 +198,9 @@ def find_axis(name: str, of: str = "") -> Axis:
     key = inferred
     words = _AXES.get(name, inferred.meaning)
     if of:
-        key = next(one for one in TABLES[of] if one.name.removeprefix("rows.") == name)
+        # a number of the summary may have the name of a column
+        known = {one.name: one for one in TABLES[of]}
+        key = known.get(f"rows.{name}") or known[name]
         words = key.axis or inferred.meaning
     return Axis(display.heading(words, key.unit), display.choose_unit(key.unit)[1])
 

@@ -62,6 +62,14 @@ def test_every_model_is_struck_where_it_is_aimed_at(model, mesh):
         assert one.cpu > 0
 
 
+def test_solid_yarns_say_what_they_take_for_granted():
+    one = SmallPatch(SHOT, 12, "gap", size=(5, 3, 2))
+    for words in ("5 along, 3 across and 2 through", f"friction {one.friction:g}", "fail at their strength"):
+        assert words in one.solids_in_words
+    lasting = replace(one, shot=replace(SHOT, yarn_failure=False))
+    assert "whose fibres do not fail" in lasting.solids_in_words
+
+
 @pytest.mark.parametrize("place, off", [("gap", 0.5), ("crossover", 0.0)])
 def test_a_place_is_the_same_one_in_every_model(place, off, mesh, monkeypatch):
     """The nose stands `off` spacings from the nearest warp and from the nearest weft."""
