@@ -64,7 +64,11 @@ def test_every_model_is_struck_where_it_is_aimed_at(model, mesh):
 
 def test_solid_yarns_say_what_they_take_for_granted():
     one = SmallPatch(SHOT, 12, "gap", size=(5, 3, 2))
-    for words in ("5 along, 3 across and 2 through", f"friction {one.friction:g}", "fail at their strength"):
+    for words in (
+        "5 along, 3 across and 2 through",
+        f"friction {one.friction:g}",
+        "fail at their strength",
+    ):
         assert words in one.solids_in_words
     lasting = replace(one, shot=replace(SHOT, yarn_failure=False))
     assert "whose fibres do not fail" in lasting.solids_in_words
