@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fabrics.assumed import friction_between_yarns
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from shellfabric.membrane.grid import SYMMETRIES
 from shellfabric.yarns.holding import WIDEST, friction_of_plies
@@ -90,7 +91,7 @@ def choose_places(setup: ImpactSetup, velocity: float) -> Places:
     elif shot.shape == "flat" and across >= COVERED:
         why = f"the flat nose is {across:.0f} yarns wide"
     elif setup.plies >= ALIKE_BY_PLIES.get(shot.shape, ALIKE_BY_PLIES_OF_OTHERS):
-        why = f"{setup.plies} plies are shifted against each other"
+        why = f"{counted(setup.plies, 'ply')} are shifted against each other"
     elif shot.shape == "chisel":
         return Places((ON_WARP, ON_WEFT))
     else:

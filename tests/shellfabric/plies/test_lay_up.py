@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fabrics import catalogue
+from shellfabric.cell import table_cache
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.membrane.numerics import Numerics
@@ -120,5 +121,6 @@ def test_tables_of_a_lay_up_are_not_put_into_the_cache_of_the_user(monkeypatch, 
     monkeypatch.setenv("WEAVECELL_CACHE_DIR", str(tmp_path))
     laid(Ply(SETUP.fabric), Ply(catalogue.load("S-726"))).target()
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    monkeypatch.setattr(table_cache, "_IN_MEMORY", {})
     SETUP.table(kept=True)
     assert [path for path in tmp_path.rglob("*") if path.is_file()] != []

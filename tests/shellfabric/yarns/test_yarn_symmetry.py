@@ -115,7 +115,7 @@ def test_a_plane_of_symmetry_is_the_middle_line_of_a_yarn_in_each_ply(table, sym
     assert shifts[1, 1 - axis] != 0
     whole = setup("whole", aim, plies=2).target(table)
     plies = tuple(replace(ply, shift=tuple(way)) for ply, way in zip(whole.plies, shifts.tolist()))
-    own = [fly(target, 230.0, 24e-6) for target in (pack, replace(whole, plies=plies))]
+    own = [fly(target, 260.0, 24e-6) for target in (pack, replace(whole, plies=plies))]
     assert own[1].sample("cut_yarns")[-1] > 0.5
     assert_alike(*own)
 
