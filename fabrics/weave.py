@@ -13,7 +13,7 @@ and is straight on the others: its length in a cell is f S + (1 - f) 2 w in the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -141,16 +141,18 @@ class Weave:
         )
         return first, second
 
-    def say_calibration(self, path: object) -> str:
-        """Say which command gives a fabric of this weave its compression law: the 3D crossover is of
-        plain weave, others are fitted to tests.
+    def of_plain_crossing(self) -> Weave:
+        """Return the plain weave of the same yarns, spacings and heights: each change of sides, and so
+        each crossing beside which both yarns change them, is shaped as in this weave.
 
-        path : of the fabric's file, or its name in the catalogue
+        A yarn with floats has its crimp in fewer changes of sides: its length in each is 2w (1 + c/f),
+        with the share f of the spacings in which it changes them.
         """
-        command = f"weavecell calibrate {path}"
-        if not self.pattern.is_plain:
-            command += " --biaxial CURVES.csv"
-        return f"`{command}`"
+        warp, weft = (
+            replace(yarn, crimp=yarn.crimp / share)
+            for yarn, share in zip(self.yarns, self.pattern.interlacings)
+        )
+        return replace(self, warp=warp, weft=weft, pattern=PLAIN)
 
     def require_plain(self, model: str) -> None:
         """Refuse a weave that is not plain, for a `model` that holds for plain weave alone.

@@ -13,11 +13,13 @@ from fabrics import assumed, catalogue, ply_laws, variants
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import ADDED_LATER, inputs_digest
 from fabrics.pattern import PLAIN, Pattern
+from fabrics.variants import data_digest
 from fabrics.weave import Weave, arc_length
 from meshing.mesh_plan import Plan
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.yarns.model import YarnZone
+from weavecell.api.calibration import PLAIN_CROSSING
 from weavecell.cli.app import program
 from weavecell.report import chapters, derived
 from weavecell.studies import choice
@@ -335,16 +337,14 @@ def _is_parity(node):
     return "add.outer" in sides[0] or isinstance(getattr(node.left, "op", None), ast.Add)
 
 
-def test_a_fabric_says_its_weave_and_which_command_gives_it_a_law(own):
+def test_a_fabric_says_its_weave(own):
     plain = wc.fabric(own(""))
     basket = wc.fabric(own("basket 2x2"))
     assert ("weave", "basket 2x2") in derived.derive_rows(basket)
     assert "weave" not in dict(derived.derive_rows(plain))
-    assert plain.weave.say_calibration("a.toml") == "`weavecell calibrate a.toml`"
-    assert basket.weave.say_calibration("a.toml").endswith("a.toml --biaxial CURVES.csv`")
 
 
-@pytest.mark.parametrize("command", ["biaxial", "mesh", "calibrate", "impact"])
+@pytest.mark.parametrize("command", ["biaxial", "mesh", "surface", "impact"])
 def test_a_command_refuses_it_in_one_line_and_writes_nothing(command, own, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     target = str(own("satin 5"))
@@ -357,6 +357,29 @@ def test_a_command_refuses_it_in_one_line_and_writes_nothing(command, own, tmp_p
     assert done.exception.exit_code == 2
     assert "weave = 'satin 5': must be" in str(done.exception)
     assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize("weave, shares", [("basket 2x2", (0.5, 0.5)), ("crowfoot", (0.5, 0.5))])
+def test_the_plain_crossing_of_a_weave_has_its_heights(weave, shares, own):
+    woven = wc.fabric(own(weave)).weave
+    crossing = woven.of_plain_crossing()
+    assert crossing.pattern.is_plain
+    assert crossing.h0 == pytest.approx(woven.h0)
+    assert crossing.w == woven.w
+    for yarn, there, share in zip(woven.yarns, crossing.yarns, shares):
+        assert there.crimp == pytest.approx(yarn.crimp / share)
+    assert PLAIN == wc.fabric("S-720").weave.of_plain_crossing().pattern
+
+
+@pytest.mark.slow(40)
+def test_a_law_of_a_weave_with_floats_is_that_of_its_plain_crossing(own):
+    with pytest.raises(InputError, match="of a weave with floats, whose plain crossing is solved"):
+        wc.calibrate(own("basket 2x2"), fit_solid=True)
+    solved = wc.calibrate(own("basket 2x2"), mesh=(2, 2, 2), assumed_range=False)
+    assert solved.fabric.weave.pattern.name == "basket 2x2"
+    assert solved.law.provenance.endswith(f", {PLAIN_CROSSING}")
+    assert any(f"of a basket 2x2 is {PLAIN_CROSSING}" in line for line in solved.assumed)
+    assert solved.fabric.laws[0].fitted_data == data_digest(wc.fabric(own("basket 2x2")))
 
 
 @pytest.mark.parametrize("zone", [{}, {"crossovers": "yarns"}])

@@ -179,8 +179,7 @@ def biaxial(
     if law is not None:
         fabric = replace(fabric, laws=build.laws_of(fabric, law))
     elif fabric.laws is None:
-        command = fabric.weave.say_calibration("FABRIC")
-        allowed = f"given, a law.json of {command}: fabric {fabric.name} has no compression law"
+        allowed = f"given, a law.json of `weavecell calibrate`: fabric {fabric.name} has no compression law"
         raise InputError(key="law", allowed=allowed)
     size = None
     if compare_3d is not None:

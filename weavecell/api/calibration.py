@@ -63,6 +63,7 @@ SOLID_RUNS = "solid-runs"
 FRACTIONS_ALIKE = 0.02
 YARNS = ("warp", "weft")
 FROM_FITTED = "rms from the fitted law"
+PLAIN_CROSSING = "assumed: that of the plain crossing of the same yarns"
 WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
 
 
@@ -93,6 +94,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
     fraction : "mesh" or "stated", whose fibre fraction enters the law of the solid
     assumed_range : whether the ends of an assumed solid law are solved too
     named : whether the fabric was given by a name, and has the linear density of shots afterwards
+    woven : Fabric of a weave with floats, of whose yarns `fabric` is the plain crossing; else None
     """
 
     runs = SOLID_RUNS
@@ -104,6 +106,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
     fraction: str
     assumed_range: bool
     named: bool
+    woven: Fabric | None = None
 
     @property
     def files(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -132,7 +135,8 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         from unitcell3d.identify import calibrate as solver
 
         # a later run warns if the data that the law was fitted to have changed
-        digest = data_digest(self.fabric)
+        shot_at = self.woven or self.fabric
+        digest = data_digest(shot_at)
         choices = {"friction": self.friction, **running.how.solver_pool}
         fabric = self.fabric
         solid = None
@@ -153,15 +157,19 @@ class CalibrationPlan(Plan["CalibrationResult"]):
                 **choices,
             )
         done, failed = self._solve_ends(fabric, done, choices)
-        done = replace(done, law=replace(done.law, fitted_data=digest))
+        law = replace(done.law, fitted_data=digest)
+        if self.woven is not None:
+            law = replace(law, provenance=f"{law.provenance}, {PLAIN_CROSSING}")
+        done = replace(done, law=law)
         interval = None
         if solid is not None:
             interval = _interval(solid, running.runs, choices)
         # the crossover may have more crimp, and has the data sheet's linear density; a shot has
         # what an input file that names the fabric would give it
-        shot_at = as_written(fabric)
+        if self.woven is None:
+            shot_at = as_written(fabric)
         if self.named:
-            shot_at = with_linear_density(fabric, "effective")
+            shot_at = with_linear_density(shot_at, "effective")
         result = CalibrationResult(
             replace(shot_at, laws=(done.law, done.law)),
             done,
@@ -306,12 +314,19 @@ def calibrate(
 
     size = meshes.size(mesh)
     named = not isinstance(fabric, Fabric)
-    fabric = meshes.resolve_fabric_for_3d(fabric)
+    with meshes.of_fabric(fabric):
+        woven = meshes.read_fabric(fabric)
+    crossing = _take_plain_crossing(woven)
+    fabric = meshes.resolve_fabric_for_3d(crossing)
     if platen_curve is not None and fit_solid:
         raise InputError(
             key="fit_solid", allowed="left out with a platen curve, which is fitted to"
         )
     curve = None
+    if crossing is not woven:
+        where = "of a weave with floats, whose plain crossing is solved"
+        unused = {"platen_curve": platen_curve, "fit_solid": fit_solid or None}
+        quantities.refuse_unused(unused, where)
     if platen_curve is not None or fit_solid:
         curve = curve_of(fabric, platen_curve)
     if curve is not None and fibre_fraction == "stated":
@@ -323,7 +338,25 @@ def calibrate(
     if curve is not None:
         fraction = "mesh"
     Numerics(friction=friction)  # refuses what is not allowed
-    return CalibrationPlan(fabric, size, curve, friction, fraction, assumed_range, named)
+    floats = None
+    if crossing is not woven:
+        floats = assumed.with_solid_laws(woven)
+    return CalibrationPlan(fabric, size, curve, friction, fraction, assumed_range, named, floats)
+
+
+def _take_plain_crossing(fabric):
+    """The fabric, or the plain crossing of the yarns of a weave with floats, which is told."""
+    if fabric.weave.pattern.is_plain:
+        return fabric
+    note = (
+        f"{fabric.name}: the compression law of a {fabric.weave.pattern.name} is {PLAIN_CROSSING}"
+    )
+    return replace(
+        fabric,
+        weave=fabric.weave.of_plain_crossing(),
+        thickness=fabric.weave.thickness,
+        notes=(*fabric.notes, note),
+    )
 
 
 def fractions_note(built: meshes.MeshResult, used: str) -> str:

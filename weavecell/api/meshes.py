@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -195,6 +196,25 @@ def _file(stem, suffix):
     return f"{stem}.{suffix}"
 
 
+def read_fabric(fabric: Fabric | FilePath) -> Fabric:
+    """Return a fabric, that of a name or file."""
+    if isinstance(fabric, Fabric):
+        return fabric
+    return catalogue.load(fabric)
+
+
+@contextmanager
+def of_fabric(fabric: Fabric | FilePath) -> Iterator[None]:
+    """Name the fabric in a refusal of this block that names no file or key."""
+    try:
+        yield
+    except InputError as problem:
+        if problem.file or problem.key:
+            raise
+        name = getattr(fabric, "name", str(fabric))
+        raise InputError(str(problem), key="fabric", value=name) from None
+
+
 def resolve_fabric_for_3d(fabric: Fabric | FilePath) -> Fabric:
     """Return a fabric with what a 3D crossover needs, with the linear density of its data sheet;
     log what is assumed.
@@ -207,18 +227,8 @@ def resolve_fabric_for_3d(fabric: Fabric | FilePath) -> Fabric:
     """
     from meshing.mesh_plan import with_room
 
-    try:
-        if isinstance(fabric, Fabric):
-            plain = fabric
-        else:
-            plain = catalogue.load(fabric)
-        whole = with_room(assumed.with_solid_laws(plain))
-    except InputError as problem:
-        if problem.file or problem.key:
-            raise
-        raise InputError(
-            str(problem), key="fabric", value=getattr(fabric, "name", str(fabric))
-        ) from None
+    with of_fabric(fabric):
+        whole = with_room(assumed.with_solid_laws(read_fabric(fabric)))
     for line in (*whole.notes, *assumed.lines(assumed.given(whole, "failure_length"))):
         logging.getLogger("weavecell").info(line)
     return whole

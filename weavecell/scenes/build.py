@@ -305,9 +305,8 @@ def _laws(table, key, fabric, file, given):
         return (own, own), own.provenance
     # the same advice as in `laws_of`, in the words of an input file
     if law == "published" and fabric.laws is None and file is not None:
-        command = fabric.weave.say_calibration(table.file or table.name)
         raise InputError(
-            f"fabric {fabric.name} has no compression law: run {command} and "
+            f"fabric {fabric.name} has no compression law: run `weavecell calibrate {table.file or table.name}` and "
             'name its result, law = ".../law.json", or give law = { a = ..., b = ... }',
             file=file,
             key=f"{key}.law",

@@ -404,8 +404,7 @@ def _with_shear(draft, fit, source, fitted):
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:
     """Write a line about each number that disagrees with another, each table that will be assumed,
     and at the end what is missing in the file at `path`."""
-    command = fabric.weave.say_calibration(path)
-    missing = [f"missing: the compression law, which {command} computes"]
+    missing = [f"missing: the compression law, which `weavecell calibrate {path}` computes"]
     try:
         fabric = assumed.with_solid_laws(assumed.with_shear(fabric))
     except InputError as problem:

@@ -43,10 +43,12 @@ SECONDS = {
 
 
 def marked(claim):
-    """A claim as a case; a test of a long one is slow."""
+    """A claim as a case; a test of a long one is slow, or runs nightly."""
     marks = ()
-    if runner.is_long(claim) or claim.id in SECONDS:
-        marks = pytest.mark.slow(SECONDS.get(claim.id, 60))
+    if claim.id in SECONDS:
+        marks = pytest.mark.slow(SECONDS[claim.id])
+    elif runner.is_long(claim):
+        marks = pytest.mark.slow(60), pytest.mark.nightly
     return pytest.param(claim, id=claim.id, marks=marks)
 
 
