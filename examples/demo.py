@@ -121,12 +121,17 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
             chapters_shot.assumptions(setups[0], shots[0].assumed, body=first.rigid_check),
         )
         cards = (
-            *map(chapters_shot.card, records),
+            chapters_shot.card(first),
+            *(
+                chapters_shot.card(record).with_doubts(chapters_shot.find(record))
+                for record in records[1:]
+            ),
             chapters.law_card(solved.law, laws["published law"], "fitted"),
         )
         title = "S-720: 3D crossover, calibration, impact"
         mesh = f"{size} mesh, {distance(solved.law)}"
-        lead = __doc__.split("\n\n")[1].partition(" It takes")[0] + f" The 3D crossover: {mesh}."
+        said = __doc__.split("\n\n")[1].partition(" It takes")[0].replace("``", "")
+        lead = said + f" The 3D crossover: {mesh}."
         outcome = " ".join(f"{record.title}: {record.outcome}." for record in records)
         doubts = dict.fromkeys(doubt for result in (solved, *shots) for doubt in result.doubts)
         found = Finding("first shot", first.outcome, tuple(doubts), first.outcome)
