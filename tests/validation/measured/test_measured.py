@@ -95,10 +95,18 @@ def test_each_measure_is_what_its_name_says(monkeypatch):
     assert named <= set(COMPUTED)
 
 
+# rows of packs that the limited shares of their contact have moved, until they are computed again
+MOVED = {"Prosser, fragment simulator", "Prosser, rounded .22"}
+
+
+def marked(row):
+    """A row as a case; one that is known to have moved fails."""
+    moved = pytest.mark.xfail(strict=True, reason="limited shares of the contact of plies")
+    return pytest.param(row, id=row.id, marks=moved if row.id in MOVED else ())
+
+
 @pytest.mark.slow(20)
-@pytest.mark.parametrize(
-    "row", [row for row in rows.read() if row.coarse_case], ids=lambda row: row.id
-)
+@pytest.mark.parametrize("row", [marked(row) for row in rows.read() if row.coarse_case])
 def test_the_coarse_run_is_as_stored(row):
     value, _, error = rows.compute(row.coarse_case)
     assert value == (
