@@ -317,7 +317,10 @@ def calibrate(
     with meshes.of_fabric(fabric):
         woven = meshes.read_fabric(fabric)
     crossing = _take_plain_crossing(woven)
-    fabric = meshes.resolve_fabric_for_3d(crossing)
+    if crossing is not woven:
+        fabric = crossing
+    # by its name or file, which a refusal says
+    fabric = meshes.resolve_fabric_for_3d(fabric)
     if platen_curve is not None and fit_solid:
         raise InputError(
             key="fit_solid", allowed="left out with a platen curve, which is fitted to"
