@@ -1,16 +1,48 @@
-"""Amounts in the sentences of messages: the same in the unit that a user writes."""
+"""Amounts in the sentences of messages: the same in the unit that a user writes.
+
+Messages are below the units, which refuse in words themselves: `fabrics.base.units` gives its table and its
+reader here when it is loaded (`use_units`).
+"""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
 _NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 # what a message quotes or explains in brackets stays as it is
 _ASIDE = re.compile(r"(\"[^\"]*\"|'[^']*'|\([^)]*\))")
+
+
+@dataclass
+class Units:
+    """What is known of units.
+
+    Parameters
+    ----------
+    factors : {SI unit: {unit: its factor}}
+    read : (text, SI unit) to the number in that unit
+    """
+
+    factors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    read: Callable[[Any, str], float] | None = None
+
+
+_UNITS = Units()
+
+
+def use_units(
+    factors: Mapping[str, Mapping[str, float]], read: Callable[[Any, str], float]
+) -> None:
+    """Take the units that messages may speak of."""
+    _UNITS.factors = factors
+    _UNITS.read = read
+    _amounts.cache_clear()
 
 
 def in_unit_of(value: Any, text: str) -> str:
@@ -48,19 +80,18 @@ def is_alike(written: Any, value: Any) -> bool:
 
 def _readings(written):
     """The numbers in SI units that a text may stand for."""
-    from fabrics.base import units
-
-    for unit in units.FACTORS:
+    if _UNITS.read is None:
+        return
+    for unit in _UNITS.factors:
         with suppress(Exception):
-            yield units.si(written, unit)
+            yield _UNITS.read(written, unit)
 
 
 @cache
 def _amounts():
     """A number, or two with "to" between them, and one of our units."""
-    from fabrics.base.units import FACTORS
-
-    names = sorted({name for of in FACTORS.values() for name in of if name}, key=len, reverse=True)
+    listed = {name for of in _UNITS.factors.values() for name in of if name}
+    names = sorted(listed, key=len, reverse=True)
     words = "|".join(map(re.escape, names))
     return re.compile(
         rf"({_NUMBER})(?:( to | and | and at most )({_NUMBER}))? ({words})(?![\w/^*])"
@@ -69,12 +100,10 @@ def _amounts():
 
 def _with_unit(found, unit):
     """An amount with the same in a unit behind it, if it has one of its dimension."""
-    from fabrics.base import units
-
     low, between, high, own = found.groups()
-    if own == unit:
+    if own == unit or _UNITS.read is None:
         return found[0]
-    for si_unit, factors in units.FACTORS.items():
+    for si_unit, factors in _UNITS.factors.items():
         if own not in factors:
             continue
         # "above 0 and at most" has one end
@@ -82,7 +111,7 @@ def _with_unit(found, unit):
             low = ""
         # of another dimension, or no unit: pint raises many types
         with suppress(Exception):
-            ratio = factors[own] / units.si(f"1 {unit}", si_unit)
+            ratio = factors[own] / _UNITS.read(f"1 {unit}", si_unit)
             numbers = [_format(float(number) * ratio) for number in (low, high) if number]
             return f"{found[0]} ({(between or '').join(numbers)} {unit})"
     return found[0]

@@ -8,6 +8,7 @@ from functools import cache
 from math import isfinite
 from typing import Any
 
+from fabrics.base import amounts
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 
@@ -245,3 +246,6 @@ def _factor_by_pint(written, unit):
     registry = _registry()
     parsed = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
     return float(registry.Quantity(1.0, parsed).to(unit or "dimensionless").magnitude)
+
+
+amounts.use_units(FACTORS, si)
