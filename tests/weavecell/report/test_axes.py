@@ -107,3 +107,8 @@ def test_no_label_is_written_by_hand_where_a_column_is_drawn():
 )
 def test_an_axis_has_words_unit_and_factor_of_its_key(name, of, axis):
     assert keys.find_axis(name, of) == axis
+
+
+def test_a_column_has_its_own_words_beside_a_number_of_its_name():
+    """The summary of a patch has numbers that are named as its columns are."""
+    assert keys.find_axis("*_velocity_m_s", "patch").label == "velocity [m/s]"
