@@ -40,9 +40,12 @@ def list_assumptions(
     body_in_words, *flight = setup.projectile.assumptions
     if body:
         flight.insert(0, _sentence(body))
+    crossovers = _of_crossovers(setup)
+    if setup.crossovers is not None:
+        crossovers.append(_say_aim(setup, drawn))
     drawn = drawn or setup.strength is not None
     rows = [
-        ("crossovers", _of_crossovers(setup)),
+        ("crossovers", crossovers),
         ("failure of yarns", [setup.failure_in_words(setup.fabrics, drawn)]),
         ("strain rate", [setup.rate_in_words(setup.fabrics)]),
         ("edges", setup.frame_in_words),
@@ -144,6 +147,20 @@ def _of_crossovers(setup):
     if setup.plies == 1:
         sentences.append(PUSHED_ASIDE)
     return [*sentences, *map(_sentence, setup.notes)]
+
+
+def _say_aim(setup, drawn):
+    """Where resolved yarns are struck."""
+    if drawn:
+        return "The impact point within a cell of the weave is drawn for each shot."
+    seed = setup.crossovers.seed
+    if seed is not None:
+        return f"The impact point within a cell of the weave is drawn, by the seed {seed}."
+    along = [point / (2 * w) for point, w in zip(setup.impact_point, setup.fabric.weave.w)]
+    if not any(along):
+        return "The nose strikes the crossover in the middle."
+    beside = " and ".join(f"{share:.3g}" for share in along)
+    return f"The nose strikes {beside} spacings beside the crossover in the middle, along warp and weft."
 
 
 def _between_plies(setup):

@@ -98,21 +98,15 @@ class YarnZone:
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What a run takes for granted of its yarns, a sentence each."""
+        """What a run takes for granted of its yarns, a sentence each, wherever they are struck."""
         within = "in the whole panel"
         beyond = ""
         if self.width < inf:
             within = f"within {1e3 * self.width:g} mm of the impact point"
             beyond = ", and pinned to each other beyond"
-        aimed = "The impact point is a quarter of a spacing off a crossover, unless it is given."
-        if self.seed is not None:
-            aimed = (
-                f"The impact point within a cell of the weave is drawn, by the seed {self.seed}."
-            )
         return (
             f"Yarns are resolved {within}, with a coefficient of friction of {self.friction:g} between them{beyond}.",
             f"A yarn meets the nose on its middle line and {self.edge:g} of its width beside it{self._edge_span}.",
-            aimed,
         )
 
     @property

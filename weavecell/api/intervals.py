@@ -28,6 +28,7 @@ from weavecell.api.run_size import StudySize, forecast_row
 from weavecell.api.study_result import StudyResult
 from weavecell.results import one_table, out_folder
 from weavecell.results.keys import find_axis
+from weavecell.results.left_out import DATA, LeftOut
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -253,6 +254,27 @@ class IntervalResult(StudyResult):
         if not self.interval.doubtful:
             return ()
         return (f"{self.interval.doubtful} of {counted(len(self.interval.runs), 'run')}",)
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """As in `StudyResult`; of what is assumed, what the runs do not vary."""
+        others = [part for part in super().left_out if part.kind != DATA]
+        names = ", ".join(self._not_varied)
+        if not names:
+            return tuple(others)
+        text = f"only the place and frictions are varied, the range over {names} is not computed"
+        return LeftOut(DATA, "", text), *others
+
+    @property
+    def _not_varied(self):
+        """What else is assumed, in words."""
+        from weavecell.studies import assumed_range
+
+        return [
+            name
+            for name in assumed_range.changes(self.target.setup)
+            if name not in self.interval.unknown
+        ]
 
     @property
     def headline(self) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
 from weavecell.results import finding
+from weavecell.results.finding import Finding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -138,8 +139,20 @@ class SavedResult(Result):
         return self.content.get("title", self.folder.name)
 
     @property
+    def headline(self) -> tuple[str, str]:
+        """What was looked for, and what was found, in a few words; ("Result", title) of a result
+        whose file does not say it."""
+        label, value = self.content.get("headline", ("Result", self.title))
+        return label, value
+
+    @property
+    def finding(self) -> Finding:
+        """What was found, with what is doubtful of it."""
+        return Finding(*self.headline, self.doubts)
+
+    @property
     def outcome(self) -> str:
-        """How a test ended; "" of a result without an outcome."""
+        """How a test or shots ended; "" of a result without an outcome."""
         return self.content.get("outcome", "")
 
     @property
@@ -159,6 +172,10 @@ class SavedResult(Result):
         """Return the numbers and texts of its JSON file; what is in tables there is in `content`."""
         return {key: value for key, value in self.content.items() if plain(value)}
 
+    def table(self) -> DataFrame:
+        """Return the table of `to_dataframe`, columns with their units."""
+        return self._labelled_columns()
+
     def _columns(self):
         if self.main in self.tables:
             return self.tables[self.main]
@@ -166,7 +183,8 @@ class SavedResult(Result):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
-        lines = [f"{self.folder}, {self.name}"]
+        label, value = self.headline
+        lines = [f"{label}: {value}", f"read from {self.folder / self.name}"]
         lines += [f"{key}: {value}" for key, value in self.summary().items() if value is not None]
         return lines
 

@@ -52,6 +52,7 @@ class DrawnResult(Result):
             kind = name.partition(".")[2]
             if kind == "json":
                 content |= summarise(self.left_out) | self._what_is_doubtful()
+                content["headline"] = [self.finding.label, self.finding.value]
                 json_file.write(folder / name, content | {"provenance": stamp})
             elif content:
                 files.write(folder / name, content)

@@ -15,6 +15,7 @@ from fabrics.compression import CompressionLaw
 from tests.scene_text import toml
 from tests.weavecell.golden_texts import cases
 from tests.weavecell.session_runs import small_calibration
+from weavecell.api.study_result import DrawnResult
 from weavecell.report import installed
 from weavecell.results import keys, one_table
 from weavecell.studies import ballistic_limit
@@ -109,7 +110,16 @@ MADE = {
     "mesh": lambda out: wc.mesh("S-720", mesh="coarse", out=out),
 }
 # of all files, and of results that have a range or a provenance
-SHARED = {"format", "provenance", "assumed", "assumed_range", "left_out", "checks", "doubts"}
+SHARED = {
+    "format",
+    "provenance",
+    "assumed",
+    "assumed_range",
+    "left_out",
+    "checks",
+    "doubts",
+    "headline",
+}
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -208,6 +218,10 @@ def check_kept(live, loaded):
     pandas.testing.assert_frame_equal(loaded.to_dataframe(), table)
     if live.kind == "impact":
         return
+    if isinstance(live, DrawnResult):
+        assert loaded.finding == live.finding
+        assert live.finding.value in loaded.lines()[0]
+        assert len(loaded.table()) == len(table)
     kind = live.kind
     varied = getattr(live, "keys", ())
     if kind not in ("coupon", "case", "mesh"):

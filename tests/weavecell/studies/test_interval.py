@@ -234,6 +234,12 @@ def test_the_answer_of_a_shot_is_written_told_and_resumed(tmp_path, monkeypatch,
     assert content["unknown"]["friction between yarns"] == [0.1, 0.3]
     assert found.answer in str(found).splitlines()[0]
     assert found.answer in (tmp_path / "r/report.html").read_text("utf-8")
+    again = wc.load(tmp_path / "r")
+    assert (again.headline, again.outcome) == (found.headline, found.outcome)
+    # what the runs do not vary is named, without an option that an interval refuses
+    (data,) = [part.text for part in found.left_out if part.kind == "assumed data"]
+    assert "friction" not in data.replace("frictions are varied", "")
+    assert "assumed-range" not in data.replace("_", "-")
     # each run alone is the shot that its row says
     run = found.interval.runs[2].variation
     alone = wc.impact(run.setup)
