@@ -87,9 +87,15 @@ class ImpactResult(ImpactData):
 
 
 def collect_result(
-    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
+    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0, widened: str = ""
 ) -> ImpactResult:
-    """Gather what a run has recorded."""
+    """Gather what a run has recorded.
+
+    Parameters
+    ----------
+    setup : as it was run
+    step_factor, widened : of `impact.attempts.Attempt`
+    """
     panels = solver.pack.plies
     elements = sum(panel.elements for panel in panels)
     fine = np.concatenate([np.empty((0, solver.history_columns)), *solver.step_history])
@@ -137,6 +143,7 @@ def collect_result(
             [(state.failed_segments, state.loads_at_failure) for state in solver.states]
         ),
         step_factor=step_factor,
+        widened=widened,
     )
 
 

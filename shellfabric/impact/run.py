@@ -1,5 +1,5 @@
-"""Run of an impact: its solver with its hooks, from the start or from a checkpoint, and once more with a
-shorter step where the first run loses too much to its length."""
+"""Run of an impact: its solver with its hooks, from the start or from a checkpoint, and again where the first
+run asks for a shorter step or a wider zone of resolved yarns (`attempts`)."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 
 from fabrics.base.checks import FilePath, positive
 from fabrics.base.errors import InputError, UnstableError
-from shellfabric import guards
 from shellfabric.cell.model import CellTable
+from shellfabric.impact.attempts import Attempt
 from shellfabric.impact.result import ImpactResult, collect_result
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop import checkpoint, histories
@@ -79,8 +79,8 @@ def run_impact(
     table: CellTable | None = None,
     target: Pack | None = None,
 ) -> ImpactResult:
-    """Run an impact; once more with a shorter step if the first run loses too much to its length
-    (`guards`).
+    """Run an impact, and again if a run loses too much to the length of its step, or if the default zone of
+    resolved yarns was too small (`attempts`).
 
     Parameters
     ----------
@@ -98,16 +98,19 @@ def run_impact(
     UnstableError : the run became unphysical; its attribute `result` holds what was computed
     """
     made = check_impact(setup, table, target)
-    solver = _make_solver(setup, made)
-    factor = 1.0
-    kept = tuple(hooks)
+    attempt = Attempt(made)
     if resume is not None:
-        solver, factor = _resume(setup, solver, resume)
-    result = _run_recorded(setup, solver, factor, kept)
-    if factor < 1.0 or solver.step_loss <= guards.MOST_STEP_LOSS:
-        return result
-    shorter = _make_solver(setup, made.at_shorter_step(guards.SHORTER_STEP))
-    return _run_recorded(setup, shorter, guards.SHORTER_STEP, kept)
+        attempt, solver = _resume(setup, attempt, resume)
+    else:
+        solver = _make_solver(setup, made)
+    kept = tuple(hooks)
+    while True:
+        result = _run_recorded(setup, solver, attempt, kept)
+        following = attempt.follow(solver)
+        if following is None:
+            return result
+        attempt = following
+        solver = _make_solver(setup, attempt.target)
 
 
 def _make_solver(setup, target):
@@ -119,29 +122,29 @@ def _make_solver(setup, target):
     return solver
 
 
-def _resume(setup, solver, path):
-    """(solver, factor on its step): at a checkpoint of its run, or of the one with a shorter step
-    that follows it."""
-    try:
-        checkpoint.read(solver, path)
-    except InputError as problem:
-        shorter = _make_solver(setup, solver.pack.at_shorter_step(guards.SHORTER_STEP))
+def _resume(setup, first, path):
+    """(attempt, solver) at a checkpoint of the first run, or of one that follows it."""
+    problems = []
+    for attempt in first.possible():
+        solver = _make_solver(setup, attempt.target)
         try:
-            checkpoint.read(shorter, path)
-        except InputError:
-            raise problem from None
-        return shorter, guards.SHORTER_STEP
-    return solver, 1.0
+            checkpoint.read(solver, path)
+        except InputError as problem:
+            problems.append(problem)
+        else:
+            return attempt, solver
+    raise problems[0] from None
 
 
-def _run_recorded(setup, solver, factor, hooks):
+def _run_recorded(setup, solver, attempt, hooks):
     """The result of a solver's run, with what the set-up records."""
     own: list[Hook] = []
     if setup.history:
         own.append(histories.Recorder(solver.pack.plies, setup.history))
     if setup.snapshot_interval is not None:
         own.append(Snapshots(setup.snapshot_interval))
-    return run_to_end(solver, (*own, *hooks), lambda: collect_result(setup, solver, factor))
+    of_run = attempt.setup_of(setup), solver, attempt.step_factor, attempt.widened
+    return run_to_end(solver, (*own, *hooks), lambda: collect_result(*of_run))
 
 
 def run_impact_or_partial(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:

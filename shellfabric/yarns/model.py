@@ -90,6 +90,11 @@ class YarnZone:
         return max(HALF_WIDTH, DRAWN / self.friction) if self.friction > 0 else inf
 
     @property
+    def whole(self) -> YarnZone:
+        """The zone that is the whole panel."""
+        return replace(self, half_width=inf)
+
+    @property
     def friction_range(self) -> tuple[float, ...]:
         """(low, high) of the friction; empty of one that is given."""
         if isinstance(self.friction, Assumed):

@@ -4,6 +4,7 @@ show."""
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -129,14 +130,15 @@ class ResolvedYarns(Part):
         )
 
     def indicators(self) -> tuple[Indicator, ...]:
-        """Return the slip of the whole yarns beside the rim of their zone, the yarns that are cut
-        beyond it, crossings whose yarns have changed sides, and the nodes past the next ply, see
-        Part."""
+        """Return the slip of the whole yarns beside the rim of their zone and the yarns that are cut
+        beyond it, unless the zone is the whole panel; crossings whose yarns have changed sides, and the
+        nodes past the next ply, see Part."""
+        checks = []
+        if self.panel.resolved.width < inf:
+            slip = slip_at_rim(self.zone, self.panel.patch.rest[0])
+            checks.append(quality.indicator("slip at the rim", slip))
+            checks.append(quality.indicator("cut outside the zone", self.cut_outside()))
         width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
-        checks = [
-            quality.indicator("slip at the rim", slip_at_rim(self.zone, self.panel.patch.rest[0])),
-            quality.indicator("cut outside the zone", self.cut_outside()),
-        ]
         checks = [replace(found, meaning=f"{found.meaning}; {width}") for found in checks]
         checks.append(quality.indicator("yarns that changed sides", self.zone.tangled))
         if self.panel.among_plies:

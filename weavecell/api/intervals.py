@@ -344,6 +344,8 @@ class IntervalResult(StudyResult):
             doubt = ""
             if run.doubtful:
                 doubt = f", {run.row['checks']}"
+            if "widened" in run.row:
+                doubt += f", {run.row['widened']}"
             value = ""
             if run.value:
                 value = f"{run.value:.1f} m/s, "

@@ -562,6 +562,8 @@ class CriticalVelocityResult(StudyResult):
             lines.append(f"{scatter}; {way} gives V50 with its interval")
         if self.chosen:
             lines.append(self.chosen)
+        if limit.widened:
+            lines.append(limit.widened)
         lines += self._doubt()
         fit = self.lambert_jonas
         rms = ""

@@ -62,6 +62,12 @@ def _in_megabytes(memory):
     return f"{1e-6 * memory:,.0f} MB"
 
 
+def _say_cost(cpu_time):
+    """A range of CPU time [s] in words."""
+    low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in cpu_time)
+    return f"{low} to {high} s of CPU time"
+
+
 def shots_of_a_search(setup: ImpactSetup, tolerance: float = WIDTH) -> int:
     """Estimate the shots of a search for a limit: those that enclose it, and the halvings of the
     first step down to the tolerance [m/s]."""
@@ -104,8 +110,7 @@ class _Size(Result):
     @property
     def cost(self) -> str:
         """[s] of CPU time, in words."""
-        low, high = (f"{float(f'{seconds:.2g}'):,.12g}" for seconds in self.cpu_time)
-        return f"{low} to {high} s of CPU time"
+        return _say_cost(self.cpu_time)
 
 
 @explain_frozen
@@ -202,7 +207,7 @@ class RunSize(_Size):
         low, high = steps * numbers @ costs
         needed = memory.needed(pack.plies, setup.snapshots, written=written)
         if setup.crossovers is not None:
-            notes = (*setup.crossovers.assumed_lines, *notes)
+            notes = (*setup.crossovers.assumed_lines, *notes, *_forecast_all_yarns(pack, steps))
         return cls(
             title,
             pack.elements,
@@ -249,6 +254,22 @@ class RunSize(_Size):
         if not in_terminal():
             lines += self.of_fabrics
         return [*lines, *self.said.lines]
+
+
+def _forecast_all_yarns(pack, steps):
+    """A line on the run that follows if the default zone of resolved yarns proves too small; none of others."""
+    from shellfabric.impact.attempts import Attempt
+    from shellfabric.yarns.model import crossings_of
+
+    wider = Attempt(pack).widen()
+    if wider is None:
+        return ()
+    crossings = sum(map(crossings_of, wider.target.plies))
+    low, high = (steps * crossings * cost for cost in OF_A_CROSSING)
+    zone = f"a zone of {1e3 * pack.default_zone:g} mm"
+    return (
+        f"if {zone} proves too small, another {_say_cost((low, high))} with all yarns resolved",
+    )
 
 
 def _foresee(setup, pack):

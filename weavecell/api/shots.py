@@ -342,7 +342,8 @@ class Shooting:
 
     def _result(self, shot, target, **more):
         message = str(shot.failure or "")
-        return shot_of(target, shot.result, message, target=target, **more), shot.failure
+        used = target.as_run(shot.result.widened)
+        return shot_of(used, shot.result, message, target=used, **more), shot.failure
 
     def choose_yarns(self) -> tuple[ShotResult, UnstableError | None]:
         """Fire as `fire`, with resolved yarns if their friction may not hold them, which needs no run to be known;
@@ -538,8 +539,10 @@ class ShotResult(ImpactRecord, Result):
         ------
         InputError : no histories.h5 of an impact
         """
+        read = cast(ShotResult, found.read_impact(cls))
+        target = target.as_run(read.widened)
         result = replace(
-            cast(ShotResult, found.read_impact(cls)),
+            read,
             fabric=target.setup.fabric,
             assumed=list_assumptions(target.setup),
             target=target,
@@ -830,7 +833,7 @@ class ShotResult(ImpactRecord, Result):
         parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.target is not None:
             parts.append(name_friction(self.target.setup, self.assumed_range))
-        return "; ".join(filter(None, (*parts, self.chosen)))
+        return "; ".join(filter(None, (*parts, self.chosen, self.widened)))
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 from pathlib import Path
@@ -88,6 +88,19 @@ class Target:
         if self.case is not None:
             own = self.case.scene.title
         return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
+
+    def as_run(self, widened: str) -> Target:
+        """Return the target as it was run: with all yarns resolved if its zone was too small.
+
+        Parameters
+        ----------
+        widened : of the result
+        """
+        if not widened:
+            return self
+        from shellfabric.impact.attempts import with_all_yarns
+
+        return replace(self, setup=with_all_yarns(self.setup))
 
     @property
     def law_name(self) -> str:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 # name and version of the files
-FORMAT = "weavecell impact 11"
+FORMAT = "weavecell impact 12"
 
 
 @dataclass(frozen=True, kw_only=True)

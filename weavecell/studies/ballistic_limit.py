@@ -26,10 +26,11 @@ import numpy as np
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath, FloatArray
+from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
-from shellfabric import guards
+from shellfabric.impact.attempts import Attempt
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.driver import STOPPED
 from shellfabric.loop.pack_solver import PackSolver
@@ -65,6 +66,7 @@ class Shot:
     balance : [-] error of the energy balance over the strike energy, the worst of the run
     wall_time : [s] of the time integration
     checks : tuple of Indicator
+    widened : why it was fired again with all yarns resolved, else ""
     """
 
     strike_velocity: float
@@ -76,6 +78,7 @@ class Shot:
     balance: float
     wall_time: float
     checks: tuple = ()
+    widened: str = ""
 
     @property
     def perforated(self) -> bool:
@@ -118,6 +121,15 @@ class Limit:
         velocity."""
         velocities = sorted({self.low, self.high, *(self.mixed_zone or ())})
         return tuple(shot for v in velocities for shot in self.shots if shot.strike_velocity == v)
+
+    @property
+    def widened(self) -> str:
+        """How many shots were fired again with all yarns resolved, in words; "" if none was."""
+        again = sum(bool(shot.widened) for shot in self.shots)
+        if not again:
+            return ""
+        of = f"{again} of {counted(len(self.shots), 'shot')}"
+        return f"{of} fired again with all yarns resolved: their zone was too small"
 
     @property
     def highest_stop(self) -> float:
@@ -433,9 +445,13 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         solver.stack.after_stop = 0.0
         return solver.run((hook,))
 
-    solver = shot_at(panel)
-    if solver.step_loss > guards.MOST_STEP_LOSS:
-        solver = shot_at(Pack.of(panel).at_shorter_step(guards.SHORTER_STEP))
+    attempt = Attempt(Pack.of(panel))
+    while True:
+        solver = shot_at(attempt.target)
+        following = attempt.follow(solver)
+        if following is None:
+            break
+        attempt = following
     if solver.outcome == "in flight":
         problem = f"the projectile struck at {velocity:.4g} m/s has neither stopped nor perforated"
         raise UndecidedError(
@@ -452,4 +468,5 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),
+        widened=attempt.widened,
     )

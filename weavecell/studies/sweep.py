@@ -86,7 +86,15 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
         "cut_yarns": float(result.cut_yarns[-1]),
         "energy_error_max": float(result.energy_error_max),
         "checks": _with_reasons(result.checks),
+        **_say_widened(result.widened),
     }
+
+
+def _say_widened(text):
+    """The entry of a row of which something was run again with all yarns resolved; none of others."""
+    if not text:
+        return {}
+    return {"widened": text}
 
 
 def critical_velocity(setup: ImpactSetup, tolerance: float | None = None) -> dict[str, Any]:
@@ -116,6 +124,7 @@ def _v50_of_pack(setup, tolerance):
         "spread_m_s": found.spread,
         "shots": len(limit.shots),
         "checks": _with_reasons(quality.worst(shot.checks for shot in limit.shots)),
+        **_say_widened(limit.widened),
     }
 
 
@@ -129,6 +138,7 @@ def _bracketed(limit):
         "upper_m_s": float(high),
         "shots": len(limit.shots),
         "checks": _with_reasons(quality.worst(shot.checks for shot in limit.ends)),
+        **_say_widened(limit.widened),
     }
 
 

@@ -101,7 +101,7 @@ def test_another_format_is_refused(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.attrs["format"] = "weavecell impact 1"
     with pytest.raises(
-        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 11'"
+        InputError, match="format = 'weavecell impact 1': must be 'weavecell impact 12'"
     ):
         read_record(tmp_path / "a.h5")
     (tmp_path / "summary.json").write_text('{"format": "weavecell summary 9"}')

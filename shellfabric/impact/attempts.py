@@ -1,0 +1,96 @@
+"""Runs of a shot that follow one another: with a shorter step if a run loses too much to its length, and with
+all yarns of the panel resolved if their default zone was too small.
+
+Outside the zone yarns are pinned. It is too small if much of what is cut lies outside it, where pinned yarns
+unzip, or if more yarn would have been drawn in through its rim. Both are checks of the run (`membrane.quality`).
+A zone that the user gives stays as it is, with its doubt. What slip costs: limits of S-720 and S-728 at friction
+0.1, with a zone of 20 mm against all yarns, were 1.2, 3.2 and 5.7 % lower where yarns slipped by 0.28, 0.26 and 0.32
+crossovers at the rim, and 1.2 % higher at friction 0.2 and a slip of 0.12: the limit of 0.15 stands for about 3 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fabrics.base.errors import InputError
+from shellfabric import guards
+from shellfabric.impact.setup import ImpactSetup
+from shellfabric.loop import pack_memory
+from shellfabric.plies.model import Pack
+from shellfabric.yarns.model import crossings_of
+
+# {check: what it says of a zone that is too small}
+TOO_SMALL = {
+    "slip at the rim": "a yarn slipped by {:.2g} crossovers at its rim",
+    "cut outside the zone": "{:.0%} of the cut yarns were outside it",
+}
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A run of a shot.
+
+    Parameters
+    ----------
+    target : Pack that is struck
+    step_factor : [-] 1, or that on the time step of a run that is made again with a shorter one
+    widened : why all yarns are resolved in place of those of a zone; "" of a run with the zone
+    """
+
+    target: Pack
+    step_factor: float = 1.0
+    widened: str = ""
+
+    def follow(self, solver: Any) -> Attempt | None:
+        """Return the run that has to follow one that has ended; None if its result counts."""
+        if self.step_factor == 1.0 and solver.step_loss > guards.MOST_STEP_LOSS:
+            return self.shorten()
+        found = [check for check in solver.part_indicators if check.name in TOO_SMALL]
+        reasons = [TOO_SMALL[check.name].format(check.value) for check in found if check.doubtful]
+        if not reasons:
+            return None
+        return self.widen(", ".join(reasons))
+
+    def shorten(self) -> Attempt:
+        """Return the run with a shorter step."""
+        factor = guards.SHORTER_STEP
+        return replace(self, target=self.target.at_shorter_step(factor), step_factor=factor)
+
+    def widen(self, reasons: str = "") -> Attempt | None:
+        """Return the run with all yarns resolved; None if the zone is not the default one, if yarns cannot
+        be resolved as far as the edges, or if memory is too small for it."""
+        zone = self.target.default_zone
+        if zone is None:
+            return None
+        try:
+            wider = self.target.with_all_yarns()
+            pack_memory.check(wider.plies)
+        except InputError:
+            return None
+        before, after = (sum(map(crossings_of, pack.plies)) for pack in (self.target, wider))
+        why = (
+            f"a zone of {1e3 * zone:g} mm was too small ({reasons}): run again with all yarns resolved, "
+            f"{after:,} crossings in place of {before:,}"
+        )
+        return replace(self, target=wider, widened=why)
+
+    def setup_of(self, setup: ImpactSetup) -> ImpactSetup:
+        """Return the set-up as it is run, with the zone of this run."""
+        if not self.widened:
+            return setup
+        return with_all_yarns(setup)
+
+    def possible(self) -> list[Attempt]:
+        """List this run and all that may follow it."""
+        wider = self.widen()
+        found = [self, self.shorten()]
+        if wider is not None:
+            found += [wider, wider.shorten()]
+        return found
+
+
+def with_all_yarns(setup: ImpactSetup) -> ImpactSetup:
+    """Return a set-up of resolved yarns with all yarns of the panel resolved."""
+    assert setup.crossovers is not None
+    return replace(setup, crossovers=setup.crossovers.whole)
