@@ -1,7 +1,8 @@
 """Isotropic elastic-plastic materials: the projectile's steel and the default block (thesis Tables
 4-2, 6-1).
 
-Clay and gelatine by name are in `fabrics.backings`.
+Clay and gelatine by name are in `fabrics.backings`. An input file gives the constants of a block by
+`IsotropicKeys`.
 """
 
 from __future__ import annotations
@@ -10,24 +11,68 @@ from dataclasses import dataclass
 from functools import cache
 from math import inf, sqrt
 from pathlib import Path
+from typing import Annotated
 
 from fabrics.base.checks import FilePath, positive, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
+from fabrics.base.schema import declared, key, number, quantity, unit_of
 from fabrics.base.sourced import Constants, in_si
 
 _FILE = Path(__file__).with_name("materials.toml")
-UNITS = {
-    "density": "kg/m^3",
-    "modulus": "Pa",
-    "poisson": "",
-    "yield_stress": "Pa",
-    "hardening": "Pa",
-    "rate_exponent": "",
-    "reference_rate": "1/s",
-    "erosion_strain": "",
-}
 _ROUND = {"diameter": "m", "length": "m", "mass": "kg", "bore": "m"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class IsotropicKeys:
+    """Constants of `Isotropic` as keys of the table [backing], None of one that is not given; a line says
+    all of one, its unit in data files too. Read by a "block"."""
+
+    density: Annotated[
+        float | None, key(quantity("density of the block", "kg/m^3", "3 g/cm^3"), "block")
+    ] = None
+    modulus: Annotated[
+        float | None, key(quantity("Young's modulus of the block", "Pa", "100 MPa"), "block")
+    ] = None
+    poisson: Annotated[
+        float | None, key(number("Poisson's ratio of the block", 0.4, ge=0.0, lt=0.5), "block")
+    ] = None
+    yield_stress: Annotated[
+        float | None,
+        key(
+            quantity(
+                "initial yield stress of the block at slow rates (J2 plasticity)", "Pa", "20 MPa"
+            ),
+            "block",
+        ),
+    ] = None
+    hardening: Annotated[
+        float | None,
+        key(quantity("isotropic hardening modulus of the block", "Pa", "0 Pa", zero=True), "block"),
+    ] = None
+    erosion_strain: Annotated[
+        float | None,
+        key(number("effective plastic strain at which an element is eroded", 0.9, gt=0.0), "block"),
+    ] = None
+    rate_exponent: Annotated[
+        float | None,
+        key(
+            number(
+                "exponent m of the rate: the yield stress is multiplied by (1 + rate / reference_rate)^m",
+                0.1,
+                ge=0.0,
+                le=1.0,
+            ),
+            "block",
+        ),
+    ] = None
+    reference_rate: Annotated[
+        float | None,
+        key(quantity("rate of effective plastic strain in that formula", "1/s", "1 / s"), "block"),
+    ] = None
+
+
+UNITS = {name: unit_of(entry) or "" for name, entry in declared(IsotropicKeys).items()}
 
 
 @dataclass(frozen=True)
@@ -110,9 +155,9 @@ class Isotropic(Elastic):
             refuse(self, "hardening", "at least 0")
         if not 0 <= self.rate_exponent <= 1:
             refuse(self, "rate_exponent", "from 0 to 1")
-        for key in ("yield_stress", "erosion_strain"):
-            if not getattr(self, key) > 0:
-                refuse(self, key, "above 0")
+        for name in ("yield_stress", "erosion_strain"):
+            if not getattr(self, name) > 0:
+                refuse(self, name, "above 0")
 
 
 def read_table(name: str) -> Constants:

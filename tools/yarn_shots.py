@@ -63,7 +63,7 @@ def draw_shot(seed: int, number: int, small: bool = False) -> ImpactSetup:
     edge = (
         "clamped",
         ("clamped", "free"),
-        Grip(force=float(random.uniform(5, 50))),
+        Grip(clamp_force=float(random.uniform(5, 50))),
     )[random.integers(3)]
     friction = float(random.uniform(0.05, 0.4))
     opening = float(random.uniform(0.07, 0.11))
@@ -153,7 +153,7 @@ def _edge(setup):
         return "clamped"
     if isinstance(setup.boundary, tuple):
         return "two sides free"
-    return f"slips at {setup.boundary.force:.0f} N"
+    return f"slips at {setup.boundary.clamp_force:.0f} N"
 
 
 if __name__ == "__main__":

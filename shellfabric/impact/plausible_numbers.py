@@ -73,10 +73,10 @@ def _of_panel(setup):
     strength = setup.fabric.weave.warp.strength
     for side in _sides(setup.boundary):
         if isinstance(side, Grip):
-            ratio = side.force / strength
+            ratio = side.clamp_force / strength
             yield Number("panel.boundary.clamp_force", "clamp_force", ratio, setup.fabric.idealised)
         elif isinstance(side, PullIn):
-            yield Number("panel.boundary.pull_in", "pull_in", side.length / smaller)
+            yield Number("panel.boundary.pull_in", "pull_in", side.pull_in / smaller)
             yield Number("panel.boundary.zone", "pull_in_zone", side.zone / smaller)
 
 

@@ -31,6 +31,7 @@ from shellfabric.membrane.model import Panel
 from shellfabric.membrane.panel_setup import PanelSetup
 from shellfabric.panel_numbers import CellNumbers
 from shellfabric.plies.model import Pack, PlyContact, at_angle
+from shellfabric.plies.pack_keys import PackNumbers
 from shellfabric.yarns.model import YarnPanel, YarnZone, lie_anywhere
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
@@ -77,7 +78,7 @@ class Ply:
 
 @explain_frozen
 @dataclass(frozen=True)
-class ImpactSetup(PanelSetup, CellNumbers):
+class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     """A projectile that strikes the middle of a panel of one ply or several.
 
     Parameters
@@ -102,9 +103,6 @@ class ImpactSetup(PanelSetup, CellNumbers):
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     instead : YarnZone of yarns that are resolved if a run with pinned ones says that these are not
         enough; what cannot choose refuses it (`target`)
-    plies : number of plies, all of this fabric
-    stacking : "aligned", or "alternating": every other ply turned by a right angle
-    ply_gap : [m] between plies at rest; None takes that of `plies.gap.ply_gap`
     ply_friction : [-] Coulomb's coefficient between plies
     strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
     contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes
@@ -112,7 +110,7 @@ class ImpactSetup(PanelSetup, CellNumbers):
     lay_up : every Ply from the front, where they are not all alike; the first has `fabric` and
         `laws`, `plies` is their number, and stacking and ply_gap are not used. Empty for plies that
         are
-    others : see `PanelSetup` and `CellNumbers`. Where yarns do not fail, the table goes to UNFAILING
+    others : see `PanelSetup`, `CellNumbers` and `PackNumbers`. Where yarns do not fail, the table goes to UNFAILING
         times their failure strain; with `rate_dependence` their modulus is that of the highest rate
 
     Raises
@@ -134,9 +132,6 @@ class ImpactSetup(PanelSetup, CellNumbers):
     snapshot_interval: float | None = None
     history: histories.HistoryRequest | None = None
     crossovers: YarnZone | None = None
-    plies: int = 1
-    stacking: str = "aligned"
-    ply_gap: float | None = None
     ply_friction: float = Assumed(0.0)
     contact: PlyContact | None = None
     lay_up: tuple[Ply, ...] = ()

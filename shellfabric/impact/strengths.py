@@ -25,6 +25,7 @@ import numpy as np
 
 from fabrics.base.checks import refuse
 from fabrics.base.frozen import explain_frozen
+from shellfabric.impact.strength_keys import StrengthKeys
 from shellfabric.membrane import grading
 from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
@@ -36,7 +37,7 @@ SCATTERED_BEFORE = (
 
 @explain_frozen
 @dataclass(frozen=True)
-class YarnStrength:
+class YarnStrength(StrengthKeys):
     """The distribution of the strength of yarns.
 
     Parameters
@@ -45,10 +46,6 @@ class YarnStrength:
     seed : of what is drawn, a whole number of at least 0
     gauge_length : [m] L0, at which the mean of the strengths is that of the fabric
     """
-
-    weibull_shape: float
-    seed: int = 1
-    gauge_length: float = 0.2
 
     @property
     def words(self) -> str:

@@ -9,16 +9,71 @@ is held.
 
 Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes
 move in.
+
+It imports no solver: an input file is checked without one.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from fabrics.base.checks import not_negative, positive, refuse
 from fabrics.base.errors import InputError
+from fabrics.base.schema import Unread, key, quantity
+
+SLIPS = "clamped or free: no side that slips is exported"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlipKeys:
+    """Numbers of a side that slips, keys of the tables [panel.boundary]; as in `PanelNumbers` a line says
+    all of one. Models: a "pull_in" and a "grip", whose fields have the same names."""
+
+    clamp_force: Annotated[
+        float | None,
+        key(
+            quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N"),
+            "grip",
+        ),
+        Unread("export", SLIPS),
+    ] = None
+    pull_in: Annotated[
+        float | None,
+        key(
+            quantity(
+                "prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm"
+            ),
+            "pull_in",
+        ),
+        Unread("export", SLIPS),
+    ] = None
+    start: Annotated[
+        float | None,
+        key(
+            quantity("time at which the prescribed slip begins", "s", "200 us", zero=True),
+            "pull_in",
+        ),
+        Unread("export", SLIPS),
+    ] = None
+    end: Annotated[
+        float | None,
+        key(quantity("time at which the prescribed slip ends", "s", "650 us"), "pull_in"),
+        Unread("export", SLIPS),
+    ] = None
+    zone: Annotated[
+        float,
+        key(
+            quantity(
+                "width of the triangular zone of the side that slips, about its middle",
+                "m",
+                "60 mm",
+            ),
+            "pull_in",
+        ),
+        Unread("export", SLIPS),
+    ] = 60e-3
 
 
 @dataclass(frozen=True)
@@ -28,7 +83,7 @@ class PullIn:
 
     Parameters
     ----------
-    length : [m] pull-in of the yarn through the impact point, at each end
+    pull_in : [m] of the yarn through the impact point, at each end
     start, end : [s] over which it is made, evenly
     zone : [m] whole width of the triangle, at whose ends nothing slips
 
@@ -37,21 +92,21 @@ class PullIn:
     InputError : a value out of its range
     """
 
-    length: float
+    pull_in: float
     start: float
     end: float
-    zone: float = 60e-3
+    zone: float = SlipKeys.zone
 
     @property
     def words(self) -> str:
         """What it does, for the reader."""
         return (
-            f"slip by {1e3 * self.length:g} mm from {1e6 * self.start:g} to {1e6 * self.end:g} us, about their middle "
+            f"slip by {1e3 * self.pull_in:g} mm from {1e6 * self.start:g} to {1e6 * self.end:g} us, about their middle "
             f"{1e3 * self.zone:g} mm wide"
         )
 
     def __post_init__(self):
-        positive(self, "length", "zone")
+        positive(self, "pull_in", "zone")
         not_negative(self, "start")
         if not self.start < self.end < inf:
             refuse(self, "end", "after the start")
@@ -63,22 +118,22 @@ class Grip:
 
     Parameters
     ----------
-    force : [N] per yarn
+    clamp_force : [N] per yarn
 
     Raises
     ------
     InputError : a force that is not positive
     """
 
-    force: float
+    clamp_force: float
 
     @property
     def words(self) -> str:
         """What it does, for the reader."""
-        return f"held by friction up to {self.force:g} N a yarn"
+        return f"held by friction up to {self.clamp_force:g} N a yarn"
 
     def __post_init__(self):
-        positive(self, "force")
+        positive(self, "clamp_force")
 
 
 Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` takes
@@ -153,6 +208,6 @@ def pull_in(edge: Any) -> tuple[float, ...]:
     grips."""
     found = []
     for pair in sides(edge):
-        lengths = [side.length for side in pair if isinstance(side, PullIn)]
+        lengths = [side.pull_in for side in pair if isinstance(side, PullIn)]
         found.append(max(lengths, default=0.0))
     return tuple(found)

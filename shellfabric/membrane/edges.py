@@ -82,9 +82,9 @@ def rim(panel: PanelGrid) -> dict[str, Any]:
             own["slip_mass"][:] = np.moveaxis(mass, axis, 0)[end]
             if isinstance(side, Grip):
                 yarns = count * tributary(panel.element_sides[1 - axis])
-                own["slip_grip"][:] = side.force * yarns
+                own["slip_grip"][:] = side.clamp_force * yarns
             else:
-                drawn = side.length * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
+                drawn = side.pull_in * np.maximum(1 - np.abs(place) / (0.5 * side.zone), 0)
                 if end == -1:
                     drawn = -drawn  # inwards
                 own["slip_length"][:] = drawn

@@ -44,12 +44,11 @@ from shellfabric.plies import friction
 from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
+from shellfabric.plies.pack_keys import STACKINGS
 from shellfabric.plies.state import PackContact
 from shellfabric.projectile import frames
 from shellfabric.state import Constants, Stack, State, Work
 from shellfabric.yarns.model import YarnPanel
-
-STACKINGS = ("aligned", "alternating")
 
 
 @dataclass(frozen=True)

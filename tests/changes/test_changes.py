@@ -1,4 +1,4 @@
-"""Five changes that a user of the code makes, as patches: each still applies, touches few files, and runs.
+"""Changes that a user of the code makes, as patches: each still applies, touches few files, and runs.
 
 A patch of this folder is what CONTRIBUTING says under "How to add"; the program beside it runs the change in a
 copy of the packages and asserts what it does. A change of the code that a patch no longer fits makes the patch

@@ -10,7 +10,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.variants import with_linear_density
 from shellfabric.impact.setup import ImpactSetup
-from shellfabric.plies.model import STACKINGS
+from shellfabric.plies.pack_keys import STACKINGS
 from shellfabric.projectile.projectile import Projectile
 from validation.claims.readers import KEVLAR
 from weavecell.studies import inputs

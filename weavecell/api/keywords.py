@@ -82,8 +82,16 @@ class Keywords(TypedDict, total=False):
         "quarter", "half", "other half", "whole"
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
-    plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
     ply : plies one by one, in place of `plies`; tables [[panel.ply]]
+    strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
+    grading : coarser mesh with the distance from the impact point: zones of distance and element
+        side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
+        "1/2"], [20, 1], [inf, 2]]
+    crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
+        yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
+        auto runs them pinned, and resolved if the checks of that run say that the nose may part
+        them or that they unzip (a shot, a limit, a V50); one of "pinned", "yarns", "auto"
+    plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
     ply_gap : pack: clearance between plies at rest; if not given the gap of the fabric file, else
@@ -93,14 +101,6 @@ class Keywords(TypedDict, total=False):
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
     ply_friction : pack: Coulomb coefficient between plies; if not given 0 of a fabric of the
         catalogue, else assumed; a number from 0 to 2
-    strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
-    grading : coarser mesh with the distance from the impact point: zones of distance and element
-        side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
-        "1/2"], [20, 1], [inf, 2]]
-    crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
-        yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
-        auto runs them pinned, and resolved if the checks of that run say that the nose may part
-        them or that they unzip (a shot, a limit, a V50); one of "pinned", "yarns", "auto"
     zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
         divided by `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
@@ -129,8 +129,8 @@ class Keywords(TypedDict, total=False):
     law: Law | Mapping[str, Quantity]
     surface: ResponseSurface | FilePath | None
     bending: Quantity
-    cell_model: str
-    cell_formulation: str
+    cell_model: Literal["compressible", "incompressible", "decoupled"]
+    cell_formulation: Literal["variational", "equilibrium", "direct"]
     crossover_gap: Quantity
     projectile: Mapping[str, Quantity] | str | None
     preset: Literal["body armour"]
@@ -140,15 +140,15 @@ class Keywords(TypedDict, total=False):
     boundary: Literal["clamped", "free"] | Mapping[str, Side | Quantity]
     symmetry: Literal["quarter", "half", "other half", "whole"]
     weave_angle: Quantity
-    plies: int
     ply: list[Mapping[str, Any]] | tuple[Mapping[str, Any], ...]
+    strength: Mapping[str, Quantity] | None
+    grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
+    crossovers: Literal["pinned", "yarns", "auto"]
+    plies: int
     stacking: Literal["aligned", "alternating"]
     ply_gap: Quantity | None
     ply_contact: PlyLaw | FilePath | None
     ply_friction: Number | None
-    strength: Mapping[str, Quantity] | None
-    grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
-    crossovers: Literal["pinned", "yarns", "auto"]
     zone: Quantity | None
     aim_seed: int | None
     crossover_friction: Number | None

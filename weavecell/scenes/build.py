@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 from fabrics import assumed, catalogue, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import AS_WRITTEN, InputError, placed
-from fabrics.base.schema import Table, entries, tables
+from fabrics.base.schema import Table, declared, entries, list_read, tables
 from fabrics.compression import CompressionLaw, check_room
 from fabrics.fabric import Fabric
-from fabrics.materials import Isotropic, load
+from fabrics.materials import IsotropicKeys, load
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest, with_linear_density
 from fabrics.yarn import WeavingDamage
+from shellfabric.membrane.boundary import Grip, PullIn, SlipKeys
 from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import stl_file
 from weavecell.scenes.fabric_table import FabricTable, InlineLaw
@@ -555,11 +556,8 @@ def _backing(table):
 
     given = _collect_given(table)
     given["name"] = given.pop("material", "")
-    of_material = {field.name for field in fields(Isotropic)}
-    material = replace(
-        load("backing"), **{key: given.pop(key) for key in tuple(given) if key in of_material}
-    )
-    return Backing(material=material, **given)
+    of_material = {key: given.pop(key) for key in declared(IsotropicKeys) if key in given}
+    return Backing(material=replace(load("backing"), **of_material), **given)
 
 
 def _boundary(boundary):
@@ -576,15 +574,16 @@ def _boundary(boundary):
 
 
 def _side(side):
-    from shellfabric.membrane.boundary import Grip, PullIn
-
     if isinstance(side, str):
         return side
     if side.clamp_force is not None:
-        return Grip(side.clamp_force)
-    return PullIn(
-        side.pull_in, side.start, side.end, **({} if side.zone is None else {"zone": side.zone})
-    )
+        return Grip(**_read_of(side, "grip"))
+    return PullIn(**_read_of(side, "pull_in"))
+
+
+def _read_of(side, model):
+    """{key: value} of the keys of a side that slips that a model of it reads."""
+    return {key: getattr(side, key) for key in list_read(SlipKeys, model)}
 
 
 def may_be_of_file(problem: InputError) -> bool:

@@ -33,6 +33,7 @@ from fabrics.base.schema import (
     validated,
     whole,
 )
+from fabrics.materials import IsotropicKeys
 from shellfabric.block.block_keys import BlockKeys
 from shellfabric.loop.history_keys import HistoryKeys
 from shellfabric.membrane.numerics import NumericsKeys
@@ -180,7 +181,7 @@ class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # 
         return self
 
 
-class BackingTable(Table, BlockKeys):  # type: ignore[misc] # frozen by its model_config
+class BackingTable(Table, BlockKeys, IsotropicKeys):  # type: ignore[misc] # frozen by its model_config
     """A block behind the last ply: a material by name, or by its data.
 
     [backing]
@@ -200,25 +201,6 @@ class BackingTable(Table, BlockKeys):  # type: ignore[misc] # frozen by its mode
         "backing of `weavecell backings list`; its values replace keys of the material that are not given",
         "the name of a backing",
     ) = None
-    modulus: quantity("Young's modulus of the block", "Pa", "100 MPa") = None
-    density: quantity("density of the block", "kg/m^3", "3 g/cm^3") = None
-    poisson: number("Poisson's ratio of the block", 0.4, ge=0.0, lt=0.5) = None
-    yield_stress: quantity(
-        "initial yield stress of the block at slow rates (J2 plasticity)", "Pa", "20 MPa"
-    ) = None
-    hardening: quantity("isotropic hardening modulus of the block", "Pa", "0 Pa", zero=True) = None
-    erosion_strain: number(
-        "effective plastic strain at which an element is eroded", 0.9, gt=0.0
-    ) = None
-    rate_exponent: number(
-        "exponent m of the rate: the yield stress is multiplied by (1 + rate / reference_rate)^m",
-        0.1,
-        ge=0.0,
-        le=1.0,
-    ) = None
-    reference_rate: quantity("rate of effective plastic strain in that formula", "1/s", "1 / s") = (
-        None
-    )
 
     @model_validator(mode="after")
     def _check_material(self):

@@ -19,33 +19,32 @@ from pydantic import (
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
-    TEXT,
     TEXT_OR_TWO,
-    MayBeObject,
     StandardShot,
     Table,
     Unread,
     angle,
     as_tuple,
+    declared,
     described,
     from_text,
-    in_python,
+    list_read,
     list_unread,
-    number,
     one_of,
     quantities,
     quantity,
     string,
     whole,
 )
+from shellfabric.impact.strength_keys import StrengthKeys
+from shellfabric.membrane.boundary import SlipKeys
 from shellfabric.panel_numbers import PanelNumbers, ZoneKeys
+from shellfabric.plies.pack_keys import MOST_PLIES, PackKeys
 from weavecell.scenes import presets
 from weavecell.scenes.fabric_table import LAW, Law
 
-SLIPS = "clamped or free: no side that slips is exported"
 
-
-class SlipTable(Table):
+class SlipTable(Table, SlipKeys):  # type: ignore[misc] # frozen by its model_config
     """Yarns that slip in their clamps: either `clamp_force`, a friction clamp, or `pull_in` with
     `start` and `end`, a prescribed slip. A list of two tables holds for their two ends.
 
@@ -54,41 +53,15 @@ class SlipTable(Table):
     weft = { pull_in = "5 mm", start = "200 us", end = "650 us" }
     """
 
-    clamp_force: Annotated[
-        quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N"),
-        Unread("export", SLIPS),
-    ] = None
-    pull_in: Annotated[
-        quantity(
-            "prescribed slip of the yarn in the middle of the zone, into the panel", "m", "5 mm"
-        ),
-        Unread("export", SLIPS),
-    ] = None
-    start: Annotated[
-        quantity("time at which the prescribed slip begins", "s", "200 us", zero=True),
-        Unread("export", SLIPS),
-    ] = None
-    end: Annotated[
-        quantity("time at which the prescribed slip ends", "s", "650 us"), Unread("export", SLIPS)
-    ] = None
-    zone: Annotated[
-        quantity(
-            "width of the triangular zone of the side that slips, about its middle; 60 mm if not given",
-            "m",
-            "60 mm",
-        ),
-        Unread("export", SLIPS),
-    ] = None
-
     @model_validator(mode="after")
     def _check_clamped_or_pulled(self):
         given = {name for name in self.model_fields_set if getattr(self, name) is not None}
         # [panel.boundary] has these keys too, and may have none of them
-        if given == {"clamp_force"} or (
+        if given == {*list_read(SlipKeys, "grip")} or (
             type(self) is not SlipTable and not given & set(SlipTable.model_fields)
         ):
             return self
-        if given - {"zone"} != {"pull_in", "start", "end"}:
+        if given | {"zone"} != {*list_read(SlipKeys, "pull_in")}:
             raise InputError("give clamp_force alone, or pull_in with start and end (and zone)")
         if self.end <= self.start:
             raise InputError("must end after its start")
@@ -118,7 +91,7 @@ _Pair = Annotated[tuple[_One, _One], BeforeValidator(tuple), Tag("pair")]
 Side = Annotated[_Text | Annotated[SlipTable, Tag("inline")] | _Pair, Discriminator(_kind)]
 
 
-class BoundaryTable(SlipTable):
+class BoundaryTable(SlipTable):  # type: ignore[misc] # frozen by its model_config
     """Different conditions for the ends of warp and weft, in place of `boundary = ...`; or the keys
     of a slipping side, which then holds for all four: `boundary = { clamp_force = "5 N" }`.
 
@@ -159,19 +132,6 @@ _ZONE = {
     "minItems": 2,
     "maxItems": 2,
 }
-_PLY_CONTACT = (
-    '"solid", "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv'
-)
-
-
-def _ply_contact(value, info):
-    if (
-        in_python(info)
-        or value in (None, "solid", "pressure_law")
-        or str(value).endswith((".json", ".csv"))
-    ):
-        return value
-    raise ValueError("no law")
 
 
 def _ply_angle(text, read):
@@ -208,7 +168,7 @@ def _crossovers(value):
     return int(over) / int(under)
 
 
-class StrengthTable(Table):
+class StrengthTable(Table, StrengthKeys):  # type: ignore[misc] # frozen by its model_config
     """Yarns that differ in strength: each yarn of each ply has one of its own, of a Weibull
     distribution. The whole panel is modelled. `weavecell sweep` over seeds gives the scatter of a
     result ([studies](../studies.md)).
@@ -218,20 +178,7 @@ class StrengthTable(Table):
     seed = 1
     """
 
-    weibull_shape: number(
-        "shape of the Weibull distribution; 14.3 was measured on yarns of Kevlar 49 of 200 mm",
-        14.3,
-        gt=0.0,
-    )
-    seed: whole("seed of the random strengths: another seed gives another panel", 0, 2**31 - 1) = 1
-    gauge_length: quantity(
-        "length at which yarns have the strength of the fabric on average: longer yarns are weaker",
-        "m",
-        "200 mm",
-    ) = 0.2
 
-
-MOST_PLIES = 100
 BESIDE_ANGLES = "if a ply is at another angle than 0 and 90 deg"
 
 
@@ -292,7 +239,7 @@ def _opening_or_preset(schema):
     schema["anyOf"] = [{"required": ["opening"]}, {"required": ["preset"]}]
 
 
-class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen by its model_config
+class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc] # frozen by its model_config
     """The opening, how the yarns are held, and the plies: one, several alike, or a lay-up of tables
     `[[panel.ply]]`.
 
@@ -374,37 +321,9 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         Unread("export", "0: an oblique weave is not exported"),
         Unread("patch"),
     ] = 0.0
-    plies: whole("number of plies; above 1 a pack with contact between plies", 1, MOST_PLIES) = 1
     ply: Annotated[
         tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")
     ] = ()
-    stacking: one_of(
-        "pack: all plies alike, or every second turned by 90 deg", "aligned", "alternating"
-    ) = "aligned"
-    ply_gap: quantity(
-        "pack: clearance between plies at rest; if not given the gap of the fabric file, else an assumed gap with "
-        "a range ([Packs](../pack.md))",
-        "m",
-        "0.12 mm",
-        zero=True,
-    ) = None
-    ply_contact: Annotated[
-        Any,
-        BeforeValidator(_ply_contact),
-        WithJsonSchema(TEXT),
-        described(
-            "pack: law of pressure against closure between two plies; if not given the law in the file of "
-            "`fabric.law`, in the fabric file, or of solid fibre, in this order ([theory](../theory-panel.md))",
-            _PLY_CONTACT,
-        ),
-        MayBeObject(),
-    ] = None
-    ply_friction: number(
-        "pack: Coulomb coefficient between plies; if not given 0 of a fabric of the catalogue, else assumed",
-        0.3,
-        ge=0.0,
-        le=2.0,
-    ) = None
     strength: Annotated[
         StrengthTable | None,
         Field(description="a table { weibull_shape = 14.3, seed = 1 }"),
@@ -458,8 +377,9 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
         if not self.ply:
             return self
         # a number that contradicts the tables would be wrong in silence
-        for key in {"plies", "stacking"} & self.model_fields_set:
-            raise InputError(key=key, allowed="left out beside [[panel.ply]]")
+        for key in declared(PackKeys):
+            if key in self.model_fields_set and key not in list_read(PackKeys, "lay_up"):
+                raise InputError(key=key, allowed="left out beside [[panel.ply]]")
         self.refuse("weave_angle", "left out with [[panel.ply]]")
         plies = sum(ply.count for ply in self.ply)
         if not 2 <= plies <= MOST_PLIES:
@@ -480,7 +400,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys):  # type: ignore[misc] # frozen 
             self.refuse("aim_seed", "left out beside impact_point")
         # a key of packs that changes nothing is a misunderstanding
         if self.plies == 1:
-            self.refuse("stacking ply_gap ply_contact ply_friction", "left out for a single ply")
+            for name, _ in list_unread(PackKeys, self, "ply"):
+                raise InputError(key=name, allowed="left out for a single ply")
         if self.weave_angle != 0:
             self.refuse("stacking", "aligned if the weave is oblique")
         return self

@@ -300,7 +300,7 @@ def _scale_clamp_force(edge, factor):
     if isinstance(edge, tuple):
         return tuple(_scale_clamp_force(part, factor) for part in edge)
     if isinstance(edge, Grip):
-        return replace(edge, force=factor * edge.force)
+        return replace(edge, clamp_force=factor * edge.clamp_force)
     return edge
 
 

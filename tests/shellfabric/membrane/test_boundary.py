@@ -13,7 +13,7 @@ from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import boundary_kernels, edges
 from shellfabric.membrane.boundary import Grip, PullIn
 
-SLIP = PullIn(length=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
+SLIP = PullIn(pull_in=0.4e-3, start=5e-6, end=35e-6, zone=20e-3)
 
 
 def fire(panel, speed=100.0, steps=400):
@@ -29,7 +29,7 @@ def test_pull_in_is_a_triangle_that_grows_evenly(symmetry):
     solver = solver_at_rest(panel, 50.0)
     state = solver.state
     const = solver.const
-    triangle = SLIP.length * np.maximum(1 - abs(panel.lines()[0]) / (0.5 * SLIP.zone), 0)
+    triangle = SLIP.pull_in * np.maximum(1 - abs(panel.lines()[0]) / (0.5 * SLIP.zone), 0)
     for share in (0.0, 0.25, 0.8, 1.0, 1.0):
         steps = int((SLIP.start + share * (SLIP.end - SLIP.start)) / const.dt) - int(state.steps)
         advance(solver, max(steps, 30))
@@ -46,7 +46,7 @@ def test_the_pull_in_is_sampled():
     """What is prescribed, at its time; of grips what the nodes have moved, which grows; of clamps nothing."""
     solver = PackSolver(make_panel(boundary=("clamped", SLIP)), 90.0, 1.2 * SLIP.end).run()
     part = np.clip((solver.sample("t") - SLIP.start) / (SLIP.end - SLIP.start), 0, 1)
-    assert_allclose(solver.ply_sample("pull_in")[:, 0], part * SLIP.length, rtol=1e-9, atol=1e-12)
+    assert_allclose(solver.ply_sample("pull_in")[:, 0], part * SLIP.pull_in, rtol=1e-9, atol=1e-12)
     gripped = PackSolver(make_panel(boundary=Grip(5.0)), 90.0, 60e-6).run().ply_sample("pull_in")
     assert gripped[-1, 0] > 1e-5
     assert not PackSolver(make_panel(), 90.0, 20e-6).run().ply_sample("pull_in").any()

@@ -246,7 +246,7 @@ READ = {
     ),
     "friction of the projectile": (lambda setup: setup.projectile.friction, (0.2,)),
     "friction between plies": (lambda setup: setup.ply_friction, (0.15, 0.25)),
-    "clamp force": (lambda setup: setup.boundary[0].force, (10.0, 40.0)),
+    "clamp force": (lambda setup: setup.boundary[0].clamp_force, (10.0, 40.0)),
     "friction of crossovers": (lambda setup: setup.crossovers.friction, (0.1, 0.3)),
     "lateral stiffness of yarns": (lambda setup: setup.crossovers.lateral, (0.5, 2.0)),
     "edge of yarns under the nose": (lambda setup: setup.crossovers.edge, (0.1, 0.45)),

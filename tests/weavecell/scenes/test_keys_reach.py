@@ -13,6 +13,7 @@ from fabrics import catalogue
 from fabrics.base import schema
 from fabrics.base.errors import InputError
 from fabrics.base.units import si
+from fabrics.materials import IsotropicKeys
 from shellfabric.cell.model import CellModel
 from tests.scene_text import merged, table_of
 from weavecell.scenes import build
@@ -40,16 +41,7 @@ SCENES = TABLES["scenes"]
 SHOT = SCENES["shot"]
 GRIP = {"clamp_force": "10 N"}
 PULL = {"pull_in": "1 mm", "start": "1 us", "end": "40 us", "zone": "50 mm"}
-OF_BACKING = {
-    "modulus",
-    "density",
-    "poisson",
-    "yield_stress",
-    "hardening",
-    "erosion_strain",
-    "rate_exponent",
-    "reference_rate",
-}
+OF_BACKING = schema.declared(IsotropicKeys)
 # what the set-up of the solver does not hold: the checked scene does
 OF_THE_RUN = {
     "title",
@@ -68,7 +60,7 @@ def row(key):
     if table.startswith("panel.boundary") and name in TABLES["sides"]:
         side = TABLES["sides"][name]
         held = {"panel.boundary": (0, 1), "panel.boundary.warp": (0,), "panel.boundary.weft": (1,)}
-        holds = {f"boundary.{k}.{side['field']}": side["holds"] for k in held[table]}
+        holds = {f"boundary.{k}.{name}": side["holds"] for k in held[table]}
         slips = GRIP if name == "clamp_force" else PULL
         return table_of(table, slips), side["value"], holds, ()
     if key in TABLES["rows"]:
