@@ -7,7 +7,9 @@ import textwrap
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
-from fabrics.base.schema import unit_of
+from pydantic import WithJsonSchema
+
+from fabrics.base.schema import mark, unit_of
 from weavecell.api import keywords
 from weavecell.scenes.impact import Scene
 
@@ -82,12 +84,23 @@ def meaning(key: str, field: Any) -> str:
     return f"{words}; {field.description}"
 
 
+def list_choices(field: Any) -> list[str]:
+    """List the texts of which a field is one (`one_of`, `named` of `fabrics.base.schema`); none of others."""
+    if get_origin(field.annotation) is Literal:
+        return list(get_args(field.annotation))
+    written = mark(field, WithJsonSchema)
+    if written is None:
+        return []
+    return list((written.json_schema or {}).get("enum", []))
+
+
 def kind(key: str, field: Any) -> str:
     """Return the type of a keyword, as it is written."""
     if key in TYPES:
         return TYPES[key]
-    if get_origin(field.annotation) is Literal:
-        names = ", ".join(f'"{name}"' for name in get_args(field.annotation))
+    chosen = list_choices(field)
+    if chosen:
+        names = ", ".join(f'"{name}"' for name in chosen)
         return f"Literal[{names}]"
     (single,) = set(get_args(field.annotation) or (field.annotation,)) - {NoneType}
     written = single.__name__
