@@ -81,7 +81,7 @@ def test_a_yarn_that_is_stretched_further_is_not_slacker(scene, one, other):
 
 @given(scenes.scenes())
 def test_table_and_panel(scene):
-    """The table is finite, cloth at rest has no forces, and the panel's step is a positive share of its bound."""
+    """The table is finite, fabric at rest has no forces, and the panel's step is a positive share of its bound."""
     setup = setup_of(scene)
     assert 20 <= setup.strike_velocity <= 700
     assert 0.199 <= 1e3 * setup.projectile.mass <= 20.01

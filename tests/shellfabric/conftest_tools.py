@@ -102,7 +102,7 @@ def foresee(state, const, due, given):
 
 
 def node_forces(panel, state):
-    """(ni+1, nj+1, 3) [N] forces of the cloth on its nodes."""
+    """(ni+1, nj+1, 3) [N] forces of the fabric on its nodes."""
     ni, nj = panel.counts
     f = np.array(state.f_int) + np.array(state.f_int_above)
     return np.moveaxis(f[:, : (ni + 1) * (nj + 1)].reshape(3, ni + 1, nj + 1), 0, -1)

@@ -1,4 +1,4 @@
-"""Fits to biaxial tests of made cloth: how often intervals hold, and what choices of the cell move."""
+"""Fits to biaxial tests of made fabrics: how often intervals hold, and what choices of the cell move."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CAUSES: Values = {
 }
 
 
-def cloth_tests(
+def made_tests(
     model: CellModel, ratios: Sequence[float], rows: int, noise: float = 0.0, seed: int = 0
 ) -> list[BiaxialTest]:
     """Make tests of a cell at warp over weft strain k, named "k = 2".
@@ -63,7 +63,7 @@ def coverage(*, weave: str, ratios: Sequence[float], noise: float, rows: int, dr
     correlation = []
     loose = []
     for seed in range(draws):
-        tests = cloth_tests(model, ratios, rows, noise, seed)
+        tests = made_tests(model, ratios, rows, noise, seed)
         found = biaxial_fit.fit(model, tests, with_profiles=False)
         for name, constant in found.values.items():
             held[name].append(constant.low <= getattr(truth, name) <= constant.high)
@@ -102,7 +102,7 @@ def choice(
     fabric = catalogue.load(weave)
     own = CellModel(fabric, cell_formulation="equilibrium")
     tests = []
-    for test in cloth_tests(own, K, rows):
+    for test in made_tests(own, K, rows):
         shift = late_others
         if test.name == "k = 1":
             shift = late

@@ -141,9 +141,9 @@ def setup(
     pinned_zone : whether the crossings of resolved yarns are pinned: their friction is infinite
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
     """
-    cloth: Any = fabric
+    struck: Any = fabric
     if change and fabric is not None:
-        cloth = changed(wc.fabric(fabric), **change)
+        struck = changed(wc.fabric(fabric), **change)
     own = {name: keywords.pop(name) for name in NOT_IN_A_FILE if name in keywords}
     if (
         contact is not None
@@ -152,7 +152,7 @@ def setup(
         keywords["ply_contact"] = ply_laws.solid_fibre(wc.fabric(str(fabric)))
     keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
     with warnings.catch_warnings(action="ignore"):  # notes of openings that follow yarns
-        made = replace(wc.setup(cloth, velocity, **keywords), **own)
+        made = replace(wc.setup(struck, velocity, **keywords), **own)
     if bar_of is not None:
         body = as_bar(made.projectile, metals.load(bar_of), made.strike_velocity)
         made = replace(made, projectile=replace(made.projectile, body=body))

@@ -17,7 +17,7 @@ from shellfabric.cell.surface_cell import potential
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from validation.values import Values
-from weavecell.decks.cloth import Cloth
+from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.decks.mismatch import Mismatch
 from weavecell.studies import inputs, mesh_uncertainty
@@ -50,10 +50,10 @@ def assumed(
     strike [m/s]; a, b and a_range, b_range (soft, stiff) [m, m N^(1/3)]; `*_within`, whether the published value lies
     in the range; `*_ends` {ends of the laws: velocity or outcome}
     """
-    cloth = wc.fabric(fabric)
+    own = wc.fabric(fabric)
     search: Values = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
-    critical = wc.critical_velocity(cloth, **search).critical_velocity
-    found = wc.calibrate(replace(cloth, laws=None, shear=None, solid_laws=None), mesh=mesh)
+    critical = wc.critical_velocity(own, **search).critical_velocity
+    found = wc.calibrate(replace(own, laws=None, shear=None, solid_laws=None), mesh=mesh)
     assert isinstance(found, wc.CalibrationResult)
     bare = replace(found.fabric, laws=None)
     strike = multiple * critical
@@ -63,7 +63,7 @@ def assumed(
         ).assumed_range,
         "residual": wc.impact(bare, strike, law=found.law, assumed_range=True).assumed_range,
     }
-    published = {"critical": critical, "residual": wc.impact(cloth, strike).residual_velocity}
+    published = {"critical": critical, "residual": wc.impact(own, strike).residual_velocity}
     ends = found.law.assumed_range or ()
     summary: Values = {"strike": strike, "a": found.law.a, "b": found.law.b}
     summary |= {"a_range": [a for a, _ in ends], "b_range": [b for _, b in ends]}
@@ -134,9 +134,9 @@ def _velocity_and_tension(setup: ImpactSetup) -> tuple[float, float]:
 
 
 def law_of_card(setup: ImpactSetup, law: str, match: str) -> Law:
-    """Fit the law of a material card, one of LAWS, to the cell of a set-up; `match` of `decks.cloth.MATCHES`."""
+    """Fit the law of a material card, one of LAWS, to the cell of a set-up; `match` of `decks.homogenised.MATCHES`."""
     cell: Any = setup.cell()
-    law_of: Law = LAWS[law].fit(Cloth(cell), match)
+    law_of: Law = LAWS[law].fit(HomogenisedFabric(cell), match)
     return law_of
 
 
@@ -146,7 +146,7 @@ def card_table(setup: ImpactSetup, law: Law) -> CellTable:
     x, y = (coefficients.grid(low, high, TABLE) for low, high in model.range())
     N = (
         np.maximum(law.stress(*np.meshgrid(x, y, indexing="ij")), 0.0)
-        / Cloth(model).smear[:, None, None]
+        / HomogenisedFabric(model).smear[:, None, None]
     )
     per = [2 * w * (axis[1] - axis[0]) for w, axis in zip(model.fabric.weave.w, (x, y))]
     floor = np.array([FLOOR * p * yarn.strength for p, yarn in zip(per, model.fabric.weave.yarns)])
@@ -178,7 +178,7 @@ def card(
     Parameters
     ----------
     cell : model of the cell
-    law, match : of LAWS, and of `decks.cloth.MATCHES`; none for the cell
+    law, match : of LAWS, and of `decks.homogenised.MATCHES`; none for the cell
     finer : whether the elements have half the side
 
     Returns
@@ -203,5 +203,5 @@ def card_error(*, fabric: str, law: str, match: str) -> Values:
     """Compute the errors of a card's law against the cell, over the strength [-]: {name: error} of
     `decks.mismatch.Mismatch`."""
     cell: Any = wc.setup(fabric, "100 m/s").cell()
-    cloth = Cloth(cell)
-    return {"errors": Mismatch.measure(cloth, LAWS[law].fit(cloth, match)).numbers()}
+    homogenised = HomogenisedFabric(cell)
+    return {"errors": Mismatch.measure(homogenised, LAWS[law].fit(homogenised, match)).numbers()}

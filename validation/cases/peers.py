@@ -39,7 +39,7 @@ def struck(
     ----------
     fabric, velocity : name, [m/s]
     model : "panel"; "cable", the pin-jointed net; or "recorded", the run of another code with the deck of this scene
-    card, match : of `laws.LAWS` and `decks.cloth.MATCHES`: the law of a material card in place of the cell
+    card, match : of `laws.LAWS` and `decks.homogenised.MATCHES`: the law of a material card in place of the cell
     finer : whether elements about the impact point have half the side
     scene : other keywords of `weavecell.setup`
 

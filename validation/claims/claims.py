@@ -123,7 +123,7 @@ class Claim:
     untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
     verdict : recorded one of `judge.VERDICTS`, with which the claim has to end
-    factors : {input: factor} that change it, of `cloth` and "velocity" of its runs; of no claim as
+    factors : {input: factor} that change it, of `changed_fabrics` and "velocity" of its runs; of no claim as
         it stands (`turns`)
     """
 

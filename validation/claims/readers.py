@@ -21,7 +21,7 @@ from fabrics.weave import Weave
 from shellfabric.cell.model import CellModel
 from shellfabric.loop.snapshots import pyramid
 from shellfabric.membrane.model import Panel
-from validation.claims import cloth
+from validation.claims import changed_fabrics
 from validation.values import Values, largest, rms
 from weavecell.results import wave_fronts
 
@@ -39,25 +39,25 @@ NOSE = 3e-3  # [m] beyond the rounded edge of the projectile
 
 def fabric(name: str) -> Fabric:
     """Load the fabric with the linear densities of its data sheet."""
-    return cloth.load(name)
+    return changed_fabrics.load(name)
 
 
 def effective(name: str) -> Fabric:
     """Load the fabric with the linear densities that the tables of the thesis imply (erratum
     E-07)."""
-    return cloth.load(name).with_effective_density()
+    return changed_fabrics.load(name).with_effective_density()
 
 
 def weave(name: str) -> Weave:
     """Load the weave of `fabric`."""
-    return cloth.load(name).weave
+    return changed_fabrics.load(name).weave
 
 
 def crimped(names: Sequence[str] = KEVLAR) -> Iterator[Any]:
     """Yield (half length of the cell [m], height [m], length [m], Yarn) of each family of some
     fabrics."""
     for name in names:
-        weave = cloth.load(name).weave
+        weave = changed_fabrics.load(name).weave
         yield from zip(weave.w, weave.h0, weave.S0, weave.yarns)
 
 
@@ -69,7 +69,7 @@ def derivative(function: Callable[[float], Any], x: float, step: float) -> Any:
 
 def panel(name: str, size: int = 8) -> Panel:
     """Make a panel of `fabric`, with a table of its cell of that size."""
-    return Panel(CellModel(cloth.load(name)).table(size))
+    return Panel(CellModel(changed_fabrics.load(name)).table(size))
 
 
 def rank(values: dict[str, float]) -> list[str]:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.errors import WeavecellError
-from validation.claims import checks, cloth, judge, runs
+from validation.claims import changed_fabrics, checks, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
 from validation.study import filled
@@ -109,7 +109,7 @@ def compute(run: Run) -> Any:
     keywords = json.loads(run.keywords)
     factors = keywords.pop(FACTORS, {})
     try:
-        with cloth.changed(factors):
+        with changed_fabrics.change_inputs(factors):
             return getattr(runs, run.kind)(json.loads(run.of), **keywords)
     except WeavecellError as problem:
         return WeavecellError(f"{run.kind} {run.of} {run.keywords}: {problem}")
@@ -136,7 +136,7 @@ def check(claim: Claim, done: dict[Run, Any], variant: str | None = None) -> Rec
                 results[name] = {key: done[run] for key, run in spec.items()}
             else:
                 results[name] = done[spec]
-        with cloth.changed(claim.factors):
+        with changed_fabrics.change_inputs(claim.factors):
             return judge.judge(claim, values(claim, results))
     except WeavecellError as problem:
         return Record(claim.id, MISSED, miss=str(problem), note=str(problem))

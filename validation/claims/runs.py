@@ -37,7 +37,7 @@ from shellfabric.solids.mesh import SolidMesh
 from shellfabric.solids.model import SolidPatch
 from shellfabric.solids.solver import SolidSolver
 from validation.cases import block
-from validation.claims import cloth
+from validation.claims import changed_fabrics
 from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
 from validation.models.variants import with_straight_yarns
@@ -74,7 +74,7 @@ def changed_fabric(
     shear : {"G1", "G2", "gamma1", "gamma2": values} that replace those of the fabric
     denier : "effective", the linear density that the thesis's tables imply (erratum E-07), or "nominal"
     """
-    fabric = variants.with_linear_density(cloth.load(name), denier)
+    fabric = variants.with_linear_density(changed_fabrics.load(name), denier)
     fabric = variants.scale_yarns(fabric, E=modulus, crimp=crimp)
     fabric = variants.scale_areal_density(fabric, mass)
     if straight:
@@ -204,7 +204,7 @@ def net(fabric: str, velocity: float, **change: Any) -> NetResult:
 def struck_yarn(fabric: str, velocity: float) -> SimpleNamespace:
     """Strike a lone straight yarn at constant velocity: what was computed, and Smith's closed form,
     `theory`."""
-    yarn = cloth.load(fabric).with_effective_density().weave.warp
+    yarn = changed_fabrics.load(fabric).with_effective_density().weave.warp
     run = smith.strike(yarn, velocity)
     return SimpleNamespace(
         **vars(run.computed), X=run.X, nodes=run.nodes, theory=smith.smith(yarn, velocity)
@@ -235,12 +235,12 @@ def strip(fabric: str, velocity: float, length: float, end_time: float) -> Simpl
     return SimpleNamespace(measured=run_impact(replace(made, fabric=given)).measured)
 
 
-def bias(cloth: str, *, steps: int = 20) -> SimpleNamespace:
+def bias(name: str, *, steps: int = 20) -> SimpleNamespace:
     """Run the bias extension test on one of its fabrics, by load steps."""
-    fabric, model, trellis = bias_extension.coupon_fabric(cloth)
+    fabric, model, trellis = bias_extension.coupon_fabric(name)
     # without a trellis there is no equilibrium to be found: two steps of 6000 iterations at most
     options = {"steps": steps}
-    if cloth == "none":
+    if name == "none":
         options = {"steps": 2, "max_iterations": 6000}
     table = CellModel(fabric, cell_model=model).table(201)
     try:
@@ -349,7 +349,7 @@ def woven(
     """
     from meshing import patch
 
-    given = cloth.load(fabric)
+    given = changed_fabrics.load(fabric)
     mesh: Any = patch.build(given, (crossings, crossings), size=tuple(size))
     model = SolidPatch(
         SolidMesh.of(mesh, quarter=clamped and crossings % 2 == 1),
@@ -401,7 +401,7 @@ def _meshed(fabric, size=SIZE, **options):
     """(mesh of the quarter crossover, fabric)"""
     from meshing import crossover as mesher
 
-    given = cloth.load(fabric)
+    given = changed_fabrics.load(fabric)
     return mesher.build(given, size=size, **options), given
 
 
@@ -549,7 +549,7 @@ def brick(fabric: str, *, stretch: Sequence[float]) -> SimpleNamespace:
     from unitcell3d.assembly.compat import Assembler, HexSpace
     from unitcell3d.material.solid_law import forms
 
-    law = cloth.load(fabric).solid_laws[0]
+    law = changed_fabrics.load(fabric).solid_laws[0]
     # of the unit cube, in the order of VTK
     corners = np.array([*itertools.product((0.0, 1.0), repeat=3)])[[0, 4, 6, 2, 1, 5, 7, 3]]
     space = HexSpace.build(corners, np.arange(8)[None])

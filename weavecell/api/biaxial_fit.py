@@ -124,7 +124,7 @@ def plan_fit(
     from weavecell.studies import biaxial_fit as study
     from weavecell.studies import biaxial_tests
 
-    cloth = resolve_fabric(fabric)
+    known = resolve_fabric(fabric)
     tests = tuple(biaxial_tests.read(path))
     names = [test.name for test in tests]
     for name in fitted or ():
@@ -138,8 +138,8 @@ def plan_fit(
             raise InputError(key="constants", value=name, allowed=", ".join(study.CONSTANTS))
     slack = [0.0, 0.0]
     for text in yarn_curve or ():
-        cloth = _with_yarn_curve(cloth, text, slack)
-    model = CellModel(cloth, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
+        known = _with_yarn_curve(known, text, slack)
+    model = CellModel(known, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
     return BiaxialFitPlan(
         model, tests, tuple(fitted or ()), tuple(dict.fromkeys(free)), curves.name_of(path)
     )

@@ -490,7 +490,7 @@ class CouponResult(Result):
         figures: dict[str, tuple[str, Callable, tuple]] = {
             "coupon": (
                 "The coupon at the end, to scale. Left: shear of the elements. Right: tension of the yarns.",
-                pictures_coupon.cloth,
+                pictures_coupon.sheared_coupon,
                 (record, self.solved),
             )
         }
@@ -574,7 +574,7 @@ class CouponResult(Result):
         figures = []
         for name, (caption, draw, arguments) in self.figures().items():
             kind = "svg"
-            if draw is pictures_coupon.cloth:
+            if draw is pictures_coupon.sheared_coupon:
                 kind = "png"
             figures.append(pictures.draw_figure(name, caption, draw, *arguments, kind=kind))
         lead = ""

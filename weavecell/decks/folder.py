@@ -13,7 +13,7 @@ from typing import Any
 from fabrics.base import files
 from fabrics.base.errors import InputError
 from weavecell.decks import ls_dyna, mismatch, model, radioss
-from weavecell.decks.cloth import MATCHES
+from weavecell.decks.homogenised import MATCHES
 from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
 from weavecell.results import json_file, provenance

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base.checks import FloatArray
-from weavecell.decks.cloth import Cloth
+from weavecell.decks.homogenised import HomogenisedFabric
 
 # LAW58 is unstable unless its yarns have some bending stiffness
 FLEX = 1e-3
@@ -51,9 +51,9 @@ class UncoupledCurves:
     )
 
     @classmethod
-    def fit(cls, cloth: Cloth, match: str) -> UncoupledCurves:
-        """Fit the curves to a fabric, see `Cloth.curve`."""
-        return cls((cloth.curve(0, match), cloth.curve(1, match)), cloth.trellis())
+    def fit(cls, fabric: HomogenisedFabric, match: str) -> UncoupledCurves:
+        """Fit the curves to a fabric, see `HomogenisedFabric.curve`."""
+        return cls((fabric.curve(0, match), fabric.curve(1, match)), fabric.trellis())
 
     def stress(self, stretch1: ArrayLike, stretch2: ArrayLike) -> FloatArray:
         """Compute the nominal stress (2, ...) [Pa] along warp and weft."""
@@ -91,23 +91,23 @@ class CrimpExchange:
     )
 
     @classmethod
-    def fit(cls, cloth: Cloth, match: str) -> CrimpExchange:
+    def fit(cls, fabric: HomogenisedFabric, match: str) -> CrimpExchange:
         """Fit the law: crimps and yarn modulus as they are, which is exact in uniaxial tension; or
         S1, S2 and one factor on both moduli by least squares over the plane, so that softer yarns
         of less crimp stand in for yarns that flatten."""
-        whole = cls(cloth.modulus, cloth.crimp, cloth.trellis(), np.log(cloth.failure_stretch))
+        whole = cls(fabric.modulus, fabric.crimp, fabric.trellis(), np.log(fabric.failure_stretch))
 
         def scale_cloth(scales):
-            crimp = cloth.crimp * scales[:2]
-            return replace(whole, crimp=crimp, E=scales[2] * cloth.modulus / (1 + crimp))
+            crimp = fabric.crimp * scales[:2]
+            return replace(whole, crimp=crimp, E=scales[2] * fabric.modulus / (1 + crimp))
 
         if match == "uniaxial":
             return scale_cloth(np.ones(3))
         from scipy.optimize import least_squares
 
-        L1, L2, inside = (values[::_EVERY, ::_EVERY] for values in cloth.plane)
-        stress = cloth.stress(L1, L2)
-        strength = cloth.strength[:, None, None]
+        L1, L2, inside = (values[::_EVERY, ::_EVERY] for values in fabric.plane)
+        stress = fabric.stress(L1, L2)
+        strength = fabric.strength[:, None, None]
 
         def error(scales):
             return ((scale_cloth(scales).stress(L1, L2) - stress) / strength)[:, inside].ravel()

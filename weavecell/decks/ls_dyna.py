@@ -78,7 +78,7 @@ def _parts(deck: Deck) -> Iterator[str]:
     for material in deck.cards:
         yield f"*SECTION_SHELL_TITLE\nmembrane of {material.name}\n"
         yield _card(SECID=material.number, ELFORM=MEMBRANE, SHRF=1.0, NIP=1)
-        yield _thickness(u.m * material.cloth.thickness)
+        yield _thickness(u.m * material.fabric.thickness)
     yield "*SECTION_SHELL_TITLE\nsurface of the projectile\n"
     yield _card(SECID=deck.nose_card, ELFORM=SHELL, SHRF=1.0, NIP=2) + _thickness(u.m * deck.skin)
     for ply in deck.plies:
@@ -114,7 +114,7 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     """The material, and its curves: 3 n - 2 of the warp, 3 n - 1 of the weft, 3 n of shear."""
     law = material.law
     u = deck.units
-    cloth = material.cloth
+    fabric = material.fabric
     assert isinstance(law, UncoupledCurves)
     shear = 3 * material.number
     warp = shear - 2
@@ -123,10 +123,10 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     EA, EB = (u.stress(np.max(np.diff(curve[:, 1]) / np.diff(curve[:, 0]))) for curve in law.curves)
     yield f"*MAT_FABRIC_TITLE\n{material.name}\n"
     yield _card(
-        MID=material.number, RO=u.density(cloth.density), EA=EA, EB=EB, _=None, PRBA=0.0, PRAB=0.0
+        MID=material.number, RO=u.density(fabric.density), EA=EA, EB=EB, _=None, PRBA=0.0, PRAB=0.0
     )
     yield _card(
-        GAB=u.stress(cloth.shear.G1),
+        GAB=u.stress(fabric.shear.G1),
         _1=None,
         _2=None,
         CSE=1.0,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import BoolArray, FloatArray
-from weavecell.decks.cloth import Cloth
+from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.laws import Law
 
 # a card that misses the tension by a larger share of the strength says so
@@ -23,7 +23,7 @@ class Mismatch:
 
     Parameters
     ----------
-    stretch1, stretch2, inside : of `Cloth.plane`
+    stretch1, stretch2, inside : of `HomogenisedFabric.plane`
     difference : (2, n, n) of warp and weft
     uniaxial, shear : largest in uniaxial tension to the strength, and in trellis shear until
         locking
@@ -37,18 +37,18 @@ class Mismatch:
     shear: float
 
     @classmethod
-    def measure(cls, cloth: Cloth, law: Law) -> Mismatch:
+    def measure(cls, fabric: HomogenisedFabric, law: Law) -> Mismatch:
         """Compare a law with the cell."""
-        L1, L2, inside = cloth.plane
-        difference = (law.stress(L1, L2) - cloth.stress(L1, L2)) / cloth.strength[:, None, None]
+        L1, L2, inside = fabric.plane
+        difference = (law.stress(L1, L2) - fabric.stress(L1, L2)) / fabric.strength[:, None, None]
         tension = []
         for family in (0, 1):
-            stretch, stress = cloth.uniaxial(family)
+            stretch, stress = fabric.uniaxial(family)
             tension.append(
-                np.abs(law.uniaxial(stretch, family) - stress).max() / cloth.strength[family]
+                np.abs(law.uniaxial(stretch, family) - stress).max() / fabric.strength[family]
             )
-        gamma = np.linspace(0, cloth.shear.gamma2, 201)
-        shear = np.abs(law.shear(gamma) - cloth.shear.stress(gamma)).max() / cloth.strength.min()
+        gamma = np.linspace(0, fabric.shear.gamma2, 201)
+        shear = np.abs(law.shear(gamma) - fabric.shear.stress(gamma)).max() / fabric.strength.min()
         return cls(L1, L2, inside, difference, float(max(tension)), float(shear))
 
     @property

@@ -29,7 +29,7 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.snapshots import quads
 from shellfabric.membrane import boundary
 from shellfabric.projectile.solid import volume
-from weavecell.decks.cloth import Cloth
+from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.laws import Law
 from weavecell.decks.mismatch import LIMIT, Mismatch
 from weavecell.decks.nose import mesh
@@ -142,12 +142,12 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Card:
-    """A material: its number from 1, the membrane that it is of, the law, and how far they
+    """A material: its number from 1, the fabric that it is of, the law, and how far they
     differ."""
 
     number: int
     name: str
-    cloth: Cloth
+    fabric: HomogenisedFabric
     law: Law
     mismatch: Mismatch
 
@@ -250,7 +250,7 @@ class Deck:
     @property
     def skin(self) -> float:
         """[m] thickness of the projectile's shells."""
-        return _SKIN * self.cards[0].cloth.thickness
+        return _SKIN * self.cards[0].fabric.thickness
 
     @property
     def intervals(self) -> tuple[float, float]:
@@ -293,7 +293,7 @@ def build(
     setup : ImpactSetup
     code : the writer, `ls_dyna` or `radioss`: its NAME, LAW and KEYWORD
     units : of UNITS
-    match : of `cloth.MATCHES`
+    match : of `homogenised.MATCHES`
     title, source : in words: of the shot, and of its compression law
     given : keys of the scene, see `list_left_out`
 
@@ -317,9 +317,11 @@ def build(
         if id(panel) not in cards:
             name = _title(setup.fabric_of(p).name) + (" turned" if setup.is_turned(p) else "")
             # a card needs the cell to the strength, not beyond
-            cloth = Cloth(replace(panel.table.model, reach=1.0))
-            law = code.LAW.fit(cloth, match)
-            cards[id(panel)] = Card(len(cards) + 1, name, cloth, law, Mismatch.measure(cloth, law))
+            fabric = HomogenisedFabric(replace(panel.table.model, reach=1.0))
+            law = code.LAW.fit(fabric, match)
+            cards[id(panel)] = Card(
+                len(cards) + 1, name, fabric, law, Mismatch.measure(fabric, law)
+            )
         x, y = (values.ravel() for values in panel.coordinates())
         # what is clamped stands first: a node of the clamp is not on a mirror too
         held = {"clamped": ~panel.loose().ravel()}
@@ -333,7 +335,7 @@ def build(
     materials = tuple(cards.values())
     share = pack.plies[0].share
     mirrors = pack.plies[0].mirrors
-    nose = _nose(setup, share, materials[0].cloth.thickness, plies[0], first)
+    nose = _nose(setup, share, materials[0].fabric.thickness, plies[0], first)
     law = f"{code.KEYWORD}, {_NEAREST[match]}"
     left_out = list_left_out(setup, given)
     notes = [f"Note: {note}" for note in setup.opening_notes]

@@ -82,8 +82,10 @@ def _fabric(material: Card, deck: Deck) -> Iterator[str]:
     assert isinstance(law, CrimpExchange)
     E1, E2 = u.stress(law.E)
     S1, S2 = law.crimp
-    G = u.stress(material.cloth.shear.G1)
-    yield f"/MAT/LAW58/{number}\n{material.name}\n" + _card(RHO_I=u.density(material.cloth.density))
+    G = u.stress(material.fabric.shear.G1)
+    yield f"/MAT/LAW58/{number}\n{material.name}\n" + _card(
+        RHO_I=u.density(material.fabric.density)
+    )
     yield _card(E1=E1, B1=0.0, E2=E2, B2=0.0, FLEX=FLEX)
     yield _card(G0=G, GT=G, AlphaT=0.0, Gsh=G)
     yield _card(Df=0.0, Ds=0.0, GFROT=0.0)
@@ -111,7 +113,7 @@ def _properties(deck: Deck) -> Iterator[str]:
     hourglass = _card(hm=0.0, hf=0.0, hr=0.0, dm=0.0, dn=1e-9)
     flags = _card(Ishell=_QEPH, Ismstr=0, Ish3n=0) + hourglass
     for material in deck.cards:
-        thickness = m * material.cloth.thickness
+        thickness = m * material.fabric.thickness
         yield f"/PROP/TYPE16/{material.number}\n{material.name}\n" + flags
         yield _card(N=1, Istrain=0, Thick=thickness, Ashear=0.0)
         yield _card(Vx=1.0, Vy=0.0, Vz=0.0, skew_ID=0, Iorth=0)
@@ -189,7 +191,7 @@ def _body(deck: Deck) -> Iterator[str]:
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    half = 0.5 * deck.cards[0].cloth.thickness
+    half = 0.5 * deck.cards[0].fabric.thickness
     heights = [ply.points[0, 2] for ply in deck.plies]
     pairs = [(_plies(deck), _group(deck.nose_part), half, deck.nose.friction, _STIFF_NOSE)]
     for p, (z, beyond) in enumerate(pairwise(heights), 1):

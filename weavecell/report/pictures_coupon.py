@@ -77,7 +77,7 @@ _SHEARS = (
 )  # even steps of lightness
 
 
-def cloth(pyplot: Any, record: Record, solved: Result) -> Any:
+def sheared_coupon(pyplot: Any, record: Record, solved: Result) -> Any:
     """Draw the coupon at the end: its elements by their shear, and its yarns by their tension."""
     from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.colors import LinearSegmentedColormap

@@ -69,7 +69,7 @@ WIDEST = Check(
 LIKENESS = Check(
     "likeness of neighbouring residuals",
     1.0,
-    "correlation of a residual with the next; of a cell that is unlike the cloth it is near 1, and "
+    "correlation of a residual with the next; of a cell that is unlike the fabric it is near 1, and "
     "the intervals are too narrow",
     "state that the intervals are too narrow, or try the other centreline",
     note=ALIKE,

@@ -27,7 +27,7 @@ from validation.models.variants import with_law_form
     ],
 )
 def test_printed_law_at_rest(name, F, T1, T2):
-    """Forces that the printed law leaves in cloth at rest (erratum E-05, nominal denier)."""
+    """Forces that the printed law leaves in fabric at rest (erratum E-05, nominal denier)."""
     fabric = with_law_form(catalogue.load(name), "printed")
     rest = CellModel(fabric, cell_formulation="equilibrium").solve(1.0, 1.0)
     assert float(rest["F"]) == pytest.approx(F, rel=2e-3)
@@ -208,7 +208,7 @@ def test_forces_beyond_the_table(name):
 
 @pytest.mark.parametrize("name", ["S-720", "S-728", "S-731"])
 def test_rest_is_the_lowest_energy(name):
-    """A polynomial through the parabola that begins at first contact may dip below zero, and cloth at rest creep."""
+    """A polynomial through the parabola that begins at first contact may dip below zero, and fabric at rest creep."""
     table = CellModel(catalogue.load(name)).table(61)
     grid = potential_grid(table)
     for x, y in np.random.default_rng(5).uniform(-1, 1, (4000, 2)) * table.steps + 1:

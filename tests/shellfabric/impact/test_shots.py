@@ -116,7 +116,7 @@ def test_half_a_panel_does_for_an_oblique_shot_across_it(small):
 def test_a_window_that_follows_the_projectile_misses_nothing(small, monkeypatch, velocity, torn):
     """An oblique shot wanders over the panel; looking at all of it makes no difference.
 
-    It has to be all once a yarn has failed: nothing bounds how far a yarn without an end is drawn in. Cloth from beyond
+    It has to be all once a yarn has failed: nothing bounds how far a yarn without an end is drawn in. Fabric beyond
     the window was found an edge radius deep when the window moved on, and contact gave 5 % of the strike energy.
     """
     panel = small(symmetry="whole", projectile=shot("sphere", obliquity=radians(45)))
@@ -146,7 +146,7 @@ def test_deflection_is_that_of_the_last_ply(shoot, plies):
 
 
 def test_deflection_leaves_out_what_is_cut_out(shoot):
-    """A plug that flies on with the projectile is no cloth of the panel any more."""
+    """A plug that flies on with the projectile is no fabric of the panel any more."""
     result = shoot(600.0, **OFTEN | {"end_time": 100e-6})
     assert result.outcome == "perforated"
     assert result.max_deflection < 0.5 * result.last[0].nodes[..., 2].max()

@@ -112,7 +112,7 @@ def test_unstable_run_stops_itself(shoot):
 
 
 def pull(panel, state, stretch1, stretch2):
-    """Bring the cloth to even stretches, and let yarns fail."""
+    """Bring the fabric to even stretches, and let yarns fail."""
     X, Y = panel.coordinates()
     const = panel.constants()
     work = panel.work()

@@ -55,7 +55,7 @@ def test_the_pull_in_is_sampled():
 @pytest.mark.parametrize("symmetry", ["quarter", "whole"])
 @pytest.mark.parametrize("elements", [1, 2])
 def test_grip_holds_up_to_its_force_and_slips_with_it(symmetry, elements):
-    """Cloth stretched evenly: below the grip the ends rest, above it they gain dt (T - F) / m in one step inwards, with
+    """Fabric stretched evenly: below the grip the ends rest, above they gain dt (T - F) / m in one step inwards, with
     the share of F that their line has in a yarn."""
     changes = {"symmetry": symmetry, "elements_per_crossover": elements}
     panel = make_panel(boundary=(Grip(20.0), "clamped"), yarn_failure=False, **changes)

@@ -158,7 +158,7 @@ def reflected(table, zones, wavelength):
     def within(X):
         return np.clip(X - 40 * d, -0.5 * length, 0.5 * length)
 
-    # taut cloth, and a pulse u = f(X - c t) on it
+    # taut fabric, and a pulse u = f(X - c t) on it
     X = x[..., 0]
     along = np.array([1.0, 0.0, 0.0])
     set_nodal(state.u, (0.01 * X + 1e-6 * np.cos(k * within(X)) ** 2)[..., None] * along)

@@ -142,7 +142,7 @@ def test_edges_of_a_step_against_their_plain_twin(again):
 
 
 def test_uniform_tension_cancels_exactly():
-    """Cloth that is stretched evenly stays still to the last digit: no noise grows from rounding."""
+    """Fabric that is stretched evenly stays still to the last digit: no noise grows from rounding."""
     panel = make_panel(boundary="free", symmetry="whole", yarn_failure=False)
     state = panel.state(1.0)
     for c in range(3):
@@ -206,7 +206,7 @@ def test_longitudinal_wave_speed(straight, weft_mass, share):
     solver, state, const = out_of_reach(panel)
     ni = const.ni
     s = const.row_stride
-    # all cloth runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
+    # all fabric runs away from the plane of symmetry, which holds its end: a front of tension sets out from there
     state.v[0][: (ni + 1) * s] = 10.0
     state.v[0][:s] = 0.0
     stations = (ni // 5, 4 * ni // 5)
@@ -276,9 +276,9 @@ def test_time_step_bound(straight, monkeypatch, changes, factor, holds):
 
 
 def highest_frequency(panel, x):
-    """[1/s] of the cloth at x, by power iteration on the change of its forces.
+    """[1/s] of the fabric at x, by power iteration on the change of its forces.
 
-    Cloth that is pressed together buckles: some modes are pushed on instead of back. These have no frequency.
+    Fabric that is pressed together buckles: some modes are pushed on instead of back. These have no frequency.
     """
     state = panel.state(1.0)
     mass = panel.masses()[..., None]
@@ -308,7 +308,7 @@ def highest_frequency(panel, x):
 )
 def test_cloth_that_is_drawn_together_stays_within_the_time_step(stretches):
     """The trellis alone, sheared beyond the angle at which it locks: along unit vectors its stiffness grows as the
-    inverse square of the stretch, and the step of cloth at rest is ten times too long at a stretch of 0.1."""
+    inverse square of the stretch, and the step of fabric at rest is ten times too long at a stretch of 0.1."""
     panel = make_panel(boundary="free", symmetry="whole")
     (X, Y), directions = (
         panel.coordinates(),

@@ -19,5 +19,5 @@ for place in ((np.nan, np.nan), (np.nan, 3.0), (3.0, np.nan), (-0.5, -0.5), (flo
 
 
 def test_no_kernel_leaves_its_arrays():
-    """In a process of its own, which a wrong index would end. A foot on cloth that has flown off is not a number."""
+    """In a process of its own, which a wrong index would end. A foot on fabric that has flown off is not a number."""
     printed(CODE)

@@ -1,4 +1,4 @@
-"""Cut-out cloth that stays before the projectile does not keep it from having perforated."""
+"""Cut-out fabric that stays before the projectile does not keep it from having perforated."""
 
 import numpy as np
 import pytest
@@ -42,11 +42,11 @@ def test_what_is_held(symmetry, low, high):
 
 
 def test_passed():
-    """The nose has passed where no held cloth is ahead of its edge within its radius."""
+    """The nose has passed where no held fabric is ahead of its edge within its radius."""
     panel = make_panel()
     state = panel.state(1.0)
     c = panel.constants()
-    assert not perforation.passed(state, c)  # cloth at rest before the nose
+    assert not perforation.passed(state, c)  # fabric at rest before the nose
     cut(panel, state, 0, 4)
     assert perforation.passed(state, c)  # all that is left before it is the plug
     cut(panel, state, 0, 4, intact=1.0)

@@ -1,4 +1,4 @@
-"""How much of the bound on the time step is taken: taut cloth and rings take less."""
+"""How much of the bound on the time step is taken: taut fabric and rings take less."""
 
 import pytest
 from panels import make_panel, table

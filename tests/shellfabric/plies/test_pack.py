@@ -43,7 +43,7 @@ def test_fast_shots_at_thin_plies_do_not_pass_through(ply):
     assert step == pytest.approx(0.45 * (ply.weave.areal_density / pack.laws[0].stiffness) ** 0.5)
     assert step < ply.time_step
     march = PackSolver(pack, 2000.0, 30 * step, interval=step)
-    march._guard = march.guard_model  # cloth tears at once
+    march._guard = march.guard_model  # fabric tears at once
     seen = []
     march.run((lambda run: seen.append(plies_cross(run)),))
     assert march.held_apart > 0

@@ -6,8 +6,8 @@ import pytest
 
 from fabrics.base.errors import InputError, UnstableError
 from validation import study
+from validation.claims import changed_fabrics, command, judge, readers, runner, runs, table, turns
 from validation.claims import claims as data
-from validation.claims import cloth, command, judge, readers, runner, runs, table, turns
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
 TIMED = (
@@ -86,10 +86,10 @@ def test_turns_are_of_reproduced_claims():
 
 
 def test_an_input_is_changed_in_all_fabrics():
-    plain = cloth.load("S-726")
+    plain = changed_fabrics.load("S-726")
     given = {"crimp": [1.1, 0.9], "count": 1.2, "a": 1.3, "linear_density": 0.8, "E": 1.4}
-    with cloth.changed(given | {"shear moduli": 2.0}):
-        fabric = cloth.load("S-726")
+    with changed_fabrics.change_inputs(given | {"shear moduli": 2.0}):
+        fabric = changed_fabrics.load("S-726")
         assert readers.weave("S-726") == fabric.weave
     for yarn, before, factor in zip(fabric.weave.yarns, plain.weave.yarns, (1.1, 0.9)):
         assert yarn.crimp == pytest.approx(factor * before.crimp)
@@ -99,14 +99,14 @@ def test_an_input_is_changed_in_all_fabrics():
     assert fabric.shear.G1 == 2 * plain.shear.G1
     again = fabric.with_effective_density().weave.warp.linear_density
     assert again == pytest.approx(0.8 * plain.with_effective_density().weave.warp.linear_density)
-    assert cloth.load("S-726") == plain
+    assert changed_fabrics.load("S-726") == plain
 
 
 def test_a_change_reaches_runs_and_is_found(tmp_path, monkeypatch):
     fired = []
 
     def shot(of, velocity, cell_formulation):
-        fired.append((velocity, cloth.load(of).weave.warp.crimp))
+        fired.append((velocity, changed_fabrics.load(of).weave.warp.crimp))
         return velocity
 
     monkeypatch.setattr(runs, "shot", shot)
@@ -124,7 +124,7 @@ def test_a_change_reaches_runs_and_is_found(tmp_path, monkeypatch):
     crimps = {velocity: crimp for velocity, crimp in fired if velocity == 100.0}
     assert len(fired) == len(turns.OF_RUNS)
     assert crimps
-    crimp = cloth.load("S-720").weave.warp.crimp
+    crimp = changed_fabrics.load("S-720").weave.warp.crimp
     assert sorted(round(one / crimp, 9) for v, one in fired if v == 100.0) == [0.9, 1.0, 1.1]
 
 

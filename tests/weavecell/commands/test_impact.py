@@ -166,7 +166,7 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
         for rows in np.array_split(image, 2)
         for half in np.array_split(rows, 2, 1)
     ]
-    assert min(quarters) > 0.15 * sum(quarters)  # cloth on all four sides of the impact point
+    assert min(quarters) > 0.15 * sum(quarters)  # fabric on all four sides of the impact point
     steel = np.ptp(image.astype(int), axis=2) < 25
     assert np.any(steel & (image.mean(axis=2) < 180))
 

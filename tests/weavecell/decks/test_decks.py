@@ -16,7 +16,7 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from tests.meshing.hexahedra import vector_areas
 from weavecell.decks import folder, model
-from weavecell.decks.cloth import Cloth
+from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.model import UNITS
 
 ROOT = Path(__file__).parents[3]
@@ -37,8 +37,8 @@ def text(made, to):
 
 
 @cache
-def cloth(fabric):
-    return Cloth(wc.setup(fabric, "100 m/s").cell())
+def homogenised(fabric):
+    return HomogenisedFabric(wc.setup(fabric, "100 m/s").cell())
 
 
 def close(found, wanted, of):
@@ -52,15 +52,15 @@ def close(found, wanted, of):
 def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, units):
     files = text(replace(deck(fabric, to), units=UNITS[units]), to)
     content = next(iter(files.values()))
-    gamma = np.linspace(0, cloth(fabric).shear.gamma2, 50)
-    stress = cloth(fabric).shear.stress(gamma)
+    gamma = np.linspace(0, homogenised(fabric).shear.gamma2, 50)
+    stress = homogenised(fabric).shear.stress(gamma)
     if to == "radioss":
         (rows, shear), *_ = deck_readers.radioss(content).values()
         modulus = np.array([rows[1][0], rows[1][2]]) / SCALE[units]
         assert rows[4][:2] == [1, 1]  # OpenRadioss would take the speed of sound of so many yarns
         crimp = np.array(rows[4][2:4])
-        assert modulus * (1 + crimp) == pytest.approx(cloth(fabric).modulus, rel=0.01)
-        assert crimp == pytest.approx(cloth(fabric).crimp, rel=0.01)
+        assert modulus * (1 + crimp) == pytest.approx(homogenised(fabric).modulus, rel=0.01)
+        assert crimp == pytest.approx(homogenised(fabric).crimp, rel=0.01)
         shear_found = np.interp(np.degrees(gamma), *shear.T) * np.cos(gamma)
         close(shear_found / SCALE[units], stress, stress)
         assert np.all(np.diff(shear, axis=0) > 0)
@@ -70,7 +70,7 @@ def test_every_deck_is_read_back_with_the_curves_of_the_cell(fabric, to, units):
     assert weft[1] == -2
     assert shear[1] == 0
     for family, (curve, _) in enumerate((warp, weft)):
-        stretch, wanted = cloth(fabric).uniaxial(family)
+        stretch, wanted = homogenised(fabric).uniaxial(family)
         close(np.interp(stretch - 1, *curve.T) / SCALE[units], wanted, wanted)
     close(np.interp(gamma, *shear[0].T) / SCALE[units], stress, stress)
 
@@ -107,10 +107,10 @@ def test_turned_plies_have_a_card_with_warp_and_weft_exchanged(to):
     assert [ply.card.number for ply in made.plies] == [1, 2, 1]
     reader = {"lsdyna": deck_readers.dyna, "radioss": deck_readers.radioss}[to]
     assert len(reader(next(iter(text(made, to).values())))) == 2
-    ones, others = (card.cloth for card in made.cards[:2])
+    ones, others = (card.fabric for card in made.cards[:2])
     assert_array_equal(ones.modulus, others.modulus[::-1])
     heights = [ply.points[0, 2] for ply in made.plies]
-    assert np.all(np.diff(heights) >= made.cards[0].cloth.thickness)
+    assert np.all(np.diff(heights) >= made.cards[0].fabric.thickness)
     assert made.friction == 0.2
 
 
@@ -155,7 +155,7 @@ def test_a_deck_holds_its_share_of_the_shot(symmetry):
     assert sides[:, 0] == pytest.approx(np.tile([spacing, 0, 0], (len(sides), 1)), abs=1e-12)
     side = np.ptp(ply.points[:, 1]) * (2 if symmetry == "quarter" else 1)
     assert 0.04 - 2 * spacing < side <= 0.04  # a half of a row at either edge lies in the clamps
-    cell = made.cards[0].cloth
+    cell = made.cards[0].fabric
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
     mass = cell.density * cell.thickness * area
     assert mass == pytest.approx(share * side**2 * cell.model.fabric.weave.areal_density, rel=1e-9)
@@ -201,7 +201,7 @@ def test_the_surface_of_the_projectile_is_closed_ahead_and_free_of_the_cloth(sha
         np.sum(vector_areas(corners) * (corners.mean(axis=1) - nose.points.mean(axis=0)), axis=1)
         > 0
     )
-    assert nose.points[:, 2].max() < -0.5 * made.cards[0].cloth.thickness
+    assert nose.points[:, 2].max() < -0.5 * made.cards[0].fabric.thickness
     reach = np.linalg.norm(nose.points - nose.centre, axis=1)
     assert reach.min() > 0.5 * 2.75e-3
     assert np.linalg.norm(nose.velocity) == pytest.approx(100)
@@ -341,23 +341,23 @@ def lines_below(content, word, comment):
     return found
 
 
-WRITTEN = {  # code and word: {field: what it is of the cloth of its card}
+WRITTEN = {  # code and word: {field: what it is of the fabric of its card}
     ("lsdyna", "*MAT_FABRIC_TITLE"): {
-        "RO": lambda cloth: cloth.density,
-        "EA": lambda cloth: cloth.modulus[0],
-        "EB": lambda cloth: cloth.modulus[1],
+        "RO": lambda fabric: fabric.density,
+        "EA": lambda fabric: fabric.modulus[0],
+        "EB": lambda fabric: fabric.modulus[1],
     },
     ("lsdyna", "*SECTION_SHELL_TITLE"): {
-        f"T{corner}": lambda cloth: cloth.thickness for corner in range(1, 5)
+        f"T{corner}": lambda fabric: fabric.thickness for corner in range(1, 5)
     },
     ("radioss", "/MAT/LAW58"): {
-        "RHO_I": lambda cloth: cloth.density,
-        "E1": lambda cloth: cloth.modulus[0] / (1 + cloth.crimp[0]),
-        "E2": lambda cloth: cloth.modulus[1] / (1 + cloth.crimp[1]),
-        "S1": lambda cloth: cloth.crimp[0],
-        "S2": lambda cloth: cloth.crimp[1],
+        "RHO_I": lambda fabric: fabric.density,
+        "E1": lambda fabric: fabric.modulus[0] / (1 + fabric.crimp[0]),
+        "E2": lambda fabric: fabric.modulus[1] / (1 + fabric.crimp[1]),
+        "S1": lambda fabric: fabric.crimp[0],
+        "S2": lambda fabric: fabric.crimp[1],
     },
-    ("radioss", "/PROP/TYPE16"): {"Thick": lambda cloth: cloth.thickness},
+    ("radioss", "/PROP/TYPE16"): {"Thick": lambda fabric: fabric.thickness},
 }
 
 
@@ -374,7 +374,7 @@ def unlike(request):
 def test_each_card_has_the_numbers_of_its_own_fabric(unlike):
     """Field by field: density, moduli of warp and weft, crimps and thickness; no two cards are alike."""
     to, made, content = unlike
-    assert made.cards[0].cloth.thickness != made.cards[1].cloth.thickness
+    assert made.cards[0].fabric.thickness != made.cards[1].fabric.thickness
     for (code, word), fields in WRITTEN.items():
         if code != to:
             continue
@@ -382,7 +382,10 @@ def test_each_card_has_the_numbers_of_its_own_fabric(unlike):
         for card, block in zip(made.cards, blocks):
             for name, value in fields.items():
                 rel = 0.02 if name in ("E1", "E2") else 1e-3
-                assert float(block[name]) == pytest.approx(value(card.cloth), rel=rel), (word, name)
+                assert float(block[name]) == pytest.approx(value(card.fabric), rel=rel), (
+                    word,
+                    name,
+                )
 
 
 def test_parts_cards_and_curves_of_a_deck_belong_together(unlike):
@@ -406,14 +409,14 @@ def test_parts_cards_and_curves_of_a_deck_belong_together(unlike):
         curves = list(deck_readers.dyna(content).values())
         for card, (warp, weft, _) in zip(made.cards, curves, strict=True):
             for family, (points, _) in enumerate((warp, weft)):
-                stretch, stress = card.cloth.uniaxial(family)
+                stretch, stress = card.fabric.uniaxial(family)
                 close(np.interp(stretch - 1, *points.T), stress, stress)
     else:
         parts = lines_below(content, "/PART", "#")
         numbers = [(part["prop_ID"], part["mat_ID"]) for part in parts]
         assert numbers == [("1", "1"), ("2", "2"), ("3", "3")]
         for card, (rows, _) in zip(made.cards, deck_readers.radioss(content).values(), strict=True):
-            assert rows[4][2:4] == pytest.approx(card.cloth.crimp, rel=0.01)
+            assert rows[4][2:4] == pytest.approx(card.fabric.crimp, rel=0.01)
 
 
 def test_friction_and_nose_of_a_deck_are_those_of_the_shot(unlike):

@@ -7,18 +7,18 @@ from scipy.optimize import brentq
 from fabrics import assumed, catalogue
 from fabrics.base.errors import InputError
 from shellfabric.cell.model import CellModel
-from weavecell.decks.cloth import Cloth
+from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.laws import FLEX, CrimpExchange, UncoupledCurves
 from weavecell.decks.mismatch import Mismatch
 
 
-def cloth(name="S-720", **options):
-    return Cloth(CellModel(assumed.with_shear(catalogue.load(name)), **options))
+def homogenised(name="S-720", **options):
+    return HomogenisedFabric(CellModel(assumed.with_shear(catalogue.load(name)), **options))
 
 
 def test_law58_is_in_equilibrium():
     """Against a root finder on the forces of two zigzags, written out once more, at single stretches."""
-    law = CrimpExchange.fit(cloth("S-728"), "uniaxial")
+    law = CrimpExchange.fit(homogenised("S-728"), "uniaxial")
     rest = np.sqrt((1 + law.crimp) ** 2 - 1)
     bend = FLEX * law.E * rest / (1 + law.crimp)
 
@@ -37,7 +37,7 @@ def test_law58_is_in_equilibrium():
 
 
 def test_curves_of_uniaxial_tension_are_the_yarns_alone():
-    fabric = cloth("S-745")
+    fabric = homogenised("S-745")
     found = Mismatch.measure(fabric, UncoupledCurves.fit(fabric, "uniaxial"))
     assert found.uniaxial < 1e-12
     assert found.shear < 5e-3
@@ -46,7 +46,7 @@ def test_curves_of_uniaxial_tension_are_the_yarns_alone():
 
 @pytest.mark.parametrize("name", catalogue.list_names())
 def test_a_fit_over_the_plane_is_nearer_to_it(name):
-    fabric = cloth(name)
+    fabric = homogenised(name)
     for kind in (UncoupledCurves, CrimpExchange):
         plane, tension = (
             Mismatch.measure(fabric, kind.fit(fabric, match)) for match in ("plane", "uniaxial")
@@ -56,7 +56,7 @@ def test_a_fit_over_the_plane_is_nearer_to_it(name):
 
 def test_curves_are_no_steeper_than_the_yarns():
     """A time step follows from the steepest slope."""
-    fabric = cloth("S-731")
+    fabric = homogenised("S-731")
     for match in ("plane", "uniaxial"):
         law = UncoupledCurves.fit(fabric, match)
         for curve, modulus in zip(law.curves, fabric.modulus):
@@ -69,12 +69,12 @@ def test_curves_are_no_steeper_than_the_yarns():
 
 def test_what_has_no_card_is_refused():
     with pytest.raises(InputError, match="no \\[shear\\]"):
-        Cloth(CellModel(catalogue.load("glass-balanced")))
+        HomogenisedFabric(CellModel(catalogue.load("glass-balanced")))
 
 
 def test_stress_times_thickness_is_the_force_of_the_yarns_of_a_metre():
     """Warp and weft of S-726, whose counts are unlike: moduli, strengths and the stress of a stretched cell."""
-    fabric = cloth("S-726")
+    fabric = homogenised("S-726")
     weave = fabric.model.fabric.weave
     force = fabric.model.solve(1.01, 1.02)
     stress = fabric.stress(1.01, 1.02)

@@ -190,7 +190,7 @@ def test_a_shot_of_a_search_is_what_the_solver_computes(searched):
 
 
 def test_cloth_that_nothing_holds_has_no_limit(small):
-    """With free edges the projectile carries the cloth along: neither stop nor perforation."""
+    """With free edges the projectile carries the fabric along: neither stop nor perforation."""
     with pytest.raises(UndecidedError, match="no critical velocity") as caught:
         ballistic_limit.shoot(small(boundary="free"), [5.0])
     assert caught.value.shots == ()

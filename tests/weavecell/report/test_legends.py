@@ -673,8 +673,8 @@ def cone(pyplot):
     return pictures_histories.cone(pyplot, radii), radii
 
 
-@case(pictures_coupon.cloth)
-def cloth(pyplot):
+@case(pictures_coupon.sheared_coupon)
+def sheared_coupon(pyplot):
     """Shear at the left, tension at the right, each by its elements and edges."""
     x = np.array([[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]) * 1e-3
     sheared = np.radians([3.0, -7.0])
@@ -688,7 +688,7 @@ def cloth(pyplot):
     record = record_of(
         {"test": "picture_frame", "prescribed_name": name}, **{name: np.radians([1.0, 12.0])}
     )
-    figure = pictures_coupon.cloth(pyplot, record, solved)
+    figure = pictures_coupon.sheared_coupon(pyplot, record, solved)
     left, right, shears, pulls = figure.axes
     assert_allclose(left.collections[0].get_array(), [3.0, 7.0])
     order = np.argsort(np.concatenate(tension))

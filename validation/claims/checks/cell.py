@@ -22,7 +22,7 @@ from fabrics.weave import arc_length
 from shellfabric.cell import crossover_kernels
 from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon, mesh_coupon
-from validation.claims import cloth
+from validation.claims import changed_fabrics
 from validation.claims.readers import KEVLAR, crimped, derivative
 from validation.models.cell_equations import departure
 from validation.values import Values, largest, rms
@@ -41,12 +41,14 @@ BOUNDED = ("incompressible", "compressible", "decoupled")
 
 def cell(name: str, model: str = "compressible", **changes: Any) -> CellModel:
     """Make the cell of a fabric."""
-    return CellModel(cloth.load(name), cell_model=model, cell_formulation="equilibrium", **changes)
+    return CellModel(
+        changed_fabrics.load(name), cell_model=model, cell_formulation="equilibrium", **changes
+    )
 
 
 def printed(name: str, a: float | None = None) -> CellModel:
     """Make the cell with the law as printed, or with another `a` [m]."""
-    given = cloth.load(name)
+    given = changed_fabrics.load(name)
     laws = tuple(CompressionLaw(a or law.a, law.b, form="printed") for law in given.laws)
     return CellModel(given, laws, cell_formulation="equilibrium")  # type: ignore[arg-type]
 
@@ -54,7 +56,7 @@ def printed(name: str, a: float | None = None) -> CellModel:
 def rectangle(name: str, half: Any, size: int, **options: Any) -> Coupon:
     """Make a coupon of a fabric, in the variational form; its half sides [m], one or two, and
     options of `mesh_coupon`."""
-    table = CellModel(cloth.load(name), cell_formulation="variational").table(size)
+    table = CellModel(changed_fabrics.load(name), cell_formulation="variational").table(size)
     a, b = np.broadcast_to(half, 2)
     return mesh_coupon(table, lambda x, y: (abs(x) < a) & (abs(y) < b), max(a, b), **options)
 
@@ -92,13 +94,16 @@ def random_states(name: str, n: int = 400, seed: int = 3) -> tuple[FloatArray, .
     """Draw stretches between rest and failure at which the yarns touch."""
     rng = np.random.default_rng(seed)
     return tuple(
-        1 + rng.uniform(0, 1, n) * (stretch_at_failure(y) - 1) for y in cloth.load(name).weave.yarns
+        1 + rng.uniform(0, 1, n) * (stretch_at_failure(y) - 1)
+        for y in changed_fabrics.load(name).weave.yarns
     )
 
 
 def alone(fabric: str, family: int) -> tuple[FloatArray, FloatArray]:
     """Pull a yarn without coupling from rest to its strength: (strains of the cell, tensions)."""
-    stretch = np.linspace(1, stretch_at_failure(cloth.load(fabric).weave.yarns[family]), 400)
+    stretch = np.linspace(
+        1, stretch_at_failure(changed_fabrics.load(fabric).weave.yarns[family]), 400
+    )
     return stretch - 1, pulled(cell(fabric, "decoupled"), family, stretch)
 
 
@@ -195,7 +200,7 @@ def stress_resultant_error() -> float:
     """
     worst = 0.0
     for name in ("S-720", "S-726", "S-731"):
-        weave = cloth.load(name).weave
+        weave = changed_fabrics.load(name).weave
         coupon = rectangle(name, 8.000001 * np.array(weave.w), 801)
         stretch = [1 + 0.6 * (stretch_at_failure(yarn) - 1) for yarn in weave.yarns]
         forces = -coupon.forces(coupon.points * stretch)[0]
@@ -215,7 +220,7 @@ def lone_yarn() -> Values:
     25 as printed."""
     worst = 0.0
     for name in ("S-720", "S-731"):
-        weave = cloth.load(name).weave
+        weave = changed_fabrics.load(name).weave
         # the weft has been drawn out of the right half, as it has to be somewhere in a coupon
         coupon = rectangle(name, 0.01, 51, woven=lambda x, y: (np.ones(x.shape, bool), x < 0))
         lone = coupon.points[coupon.edges[0]][:, :, 0].min(axis=1) > 2 * weave.w1
@@ -311,7 +316,7 @@ def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Val
     """Follow a warp extension of the crossover with the cell and its published law, or another:
     largest differences of the tensions over their peaks, and of the energy from the work of the
     ends, 2 T1 dd1, over that at the end."""
-    given = cloth.load(fabric)
+    given = changed_fabrics.load(fabric)
     d = path["d1"]
     T = path["T1"]
     laws = None
@@ -330,7 +335,7 @@ def centreline_error(path: Any, fabric: str, centreline: str, own_law: bool) -> 
     """Compute the RMS of both tensions of a cell less those of the 3D crossover, over the strengths,
     along a path of the crossover up to its strength; with the published law, or a and b fitted to
     the path (`own_law`)."""
-    given = cloth.load(fabric)
+    given = changed_fabrics.load(fabric)
     model = CellModel(given, cell_formulation="equilibrium", centreline=centreline)
     strength = np.array([yarn.strength for yarn in given.weave.yarns])
     load = np.stack([path["T1"], path["T2"]], axis=1)
@@ -345,7 +350,7 @@ def centreline_error(path: Any, fabric: str, centreline: str, own_law: bool) -> 
 def cell_error(path: Any, fabric: str) -> float:
     """Compute the RMS of both tensions of the cell less those of the 3D crossover, over the
     strengths, along a path of the crossover up to the cell's first failure."""
-    given = cloth.load(fabric)
+    given = changed_fabrics.load(fabric)
     cell = CellModel(given, cell_formulation="equilibrium")
     stretches = [1 + path[key] / w for key, w in zip(("d1", "d2"), given.weave.w)]
     found = cell.solve(*stretches)

@@ -19,7 +19,7 @@ from fabrics.base.units import si
 from fabrics.compression import CompressionLaw
 from fabrics.plate_curve import PlateCurve
 from shellfabric.cell import crossover_kernels
-from validation.claims import cloth
+from validation.claims import changed_fabrics
 from validation.claims.readers import KEVLAR, derivative
 from validation.values import Values, largest
 
@@ -43,13 +43,13 @@ def stiffness(name: str, plies: int = 1, table: str = "2-1") -> float:
 
     `table` of the thesis has the areal density: 2-1 measured, 5-1 of its model.
     """
-    return _stiffness(name, plies, table, cloth.in_force())
+    return _stiffness(name, plies, table, changed_fabrics.in_force())
 
 
 @cache
 def _stiffness(name, plies, table, _):
     """As `stiffness`, once for the changes that are in force."""
-    fabric = cloth.load(name)
+    fabric = changed_fabrics.load(name)
     density = fabric.areal_density_measured
     if table == "5-1":
         # E-07: the table has that of the yarns whose linear density its runs imply
@@ -79,7 +79,7 @@ def gap(fabric: str, start: float, plies: int = 4, table: str = "2-1") -> float:
 
 def refitted_exponent(noise: float, seed: int) -> float:
     """Fit the exponent of the pressure law again, to a curve of the law with noise on it."""
-    curve = PlateCurve.pressure_law(cloth.load("S-720").areal_density_measured)
+    curve = PlateCurve.pressure_law(changed_fabrics.load("S-720").areal_density_measured)
     P0 = curve.pressure[0]
     scale = curve.closure[-1]
     measured = curve.closure / scale + noise * np.random.default_rng(seed).standard_normal(
@@ -124,7 +124,7 @@ def compliance_error() -> float:
     with b / (3 F^(4/3))."""
     worst = 0.0
     for name in KEVLAR:
-        given = cloth.load(name).laws[0]
+        given = changed_fabrics.load(name).laws[0]
         for law in (given, CompressionLaw(given.a, given.b, form="printed")):
             for F in (1.0, 10.0, 100.0):
                 written = law.b / (3 * (F + _shift(law)) ** (4 / 3))
@@ -145,7 +145,7 @@ def layers_taken_off(
 
     Both are written as files of `rows` rows and read as a user's are; the layers are linear.
     """
-    own = PlateCurve.pressure_law(cloth.load(fabric).areal_density_measured)
+    own = PlateCurve.pressure_law(changed_fabrics.load(fabric).areal_density_measured)
     layer = 2 * layer_thickness / layer_modulus  # [m/Pa] of both
     with TemporaryDirectory() as folder:
         curves = []

@@ -19,7 +19,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon.model import Coupon
 from shellfabric.coupon.quasistatic import inextensible_shear
 from shellfabric.membrane.model import Panel
-from validation.claims import cloth
+from validation.claims import changed_fabrics
 from validation.claims.checks.cell import rectangle
 from validation.claims.readers import ALL, FAMILIES, KEVLAR, crimped
 from validation.published.bias_extension import coupon_fabric
@@ -29,7 +29,7 @@ from validation.values import Values, largest
 def micrographs() -> Iterator[tuple[Fabric, str, Any, dict[str, float]]]:
     """Yield (fabric, family, yarn, values) of the twelve rows of Tables A-1 and A-2."""
     for name in KEVLAR:
-        fabric = cloth.load(name)
+        fabric = changed_fabrics.load(name)
         for family, yarn in zip(FAMILIES, fabric.weave.yarns):
             yield fabric, family, yarn, fabric.micrograph[family]
 
@@ -93,7 +93,7 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
 
     From the coupon's own energy: its second difference over the change of angle, over the volume.
     """
-    weave = cloth.load(name).weave
+    weave = changed_fabrics.load(name).weave
     coupon = rectangle(name, 1.000001 * cells * np.array(weave.w), 21)
     low, middle, high = (
         sum(coupon.forces(in_trellis(coupon, gamma + d))[2]) for d in (-step, 0.0, step)
@@ -104,7 +104,7 @@ def sheared_modulus(name: str, gamma: float, cells: int = 6, step: float = 1e-4)
 
 def limit_angles(fabric: str, K_s: float) -> Values:
     """Compute gamma1 from the narrower micrograph width, gamma2 by the corrected eq. 4-34."""
-    given = cloth.load(fabric)
+    given = changed_fabrics.load(fabric)
     weave = given.weave
     touching = []
     for family, count in zip(FAMILIES, (weave.warp_count, weave.weft_count)):
@@ -124,7 +124,7 @@ def law_shape() -> Values:
     constant."""
     odd = step = 0.0
     shape = True
-    for law in (cloth.load(name).shear for name in KEVLAR):
+    for law in (changed_fabrics.load(name).shear for name in KEVLAR):
         g = np.linspace(-1.2, 1.2, 24001)
         tau = law.stress(g)
         odd = max(odd, largest(tau + tau[::-1]) / tau.max())
@@ -145,7 +145,7 @@ def law_shape() -> Values:
 def trellis(gamma: float, cells: int = 8) -> tuple[FloatArray, ...]:
     """Shear a coupon of S-720 in a trellis: shear angles, stretches of its yarns, corners of its
     elements."""
-    coupon = rectangle("S-720", 1.01 * cells * cloth.load("S-720").weave.w1, 21)
+    coupon = rectangle("S-720", 1.01 * cells * changed_fabrics.load("S-720").weave.w1, 21)
     moved = in_trellis(coupon, gamma)
     return coupon.shear_angles(moved), np.concatenate(coupon.stretches(moved)), moved[coupon.quads]
 

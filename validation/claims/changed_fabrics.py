@@ -23,7 +23,7 @@ _FACTORS: ContextVar[Mapping[str, Any]] = ContextVar("factors of inputs")
 
 
 @contextmanager
-def changed(factors: Mapping[str, Any]) -> Iterator[None]:
+def change_inputs(factors: Mapping[str, Any]) -> Iterator[None]:
     """Change inputs {name: factor [-]} of all fabrics that are loaded within."""
     token = _FACTORS.set(factors)
     try:

@@ -33,7 +33,7 @@ _STEEPEST = np.radians(80)
 
 
 @dataclass(frozen=True)
-class Cloth:
+class HomogenisedFabric:
     """A cell and its trellis law, as stresses of a membrane.
 
     Parameters
