@@ -39,7 +39,9 @@ test-nightly: setup  ## the longest tests, of which test-slow has a cheaper kind
 
 # tests that hold computed numbers, and of `fabrics.base.sums`: they run once more as on other processors
 NUMBERS = $(addprefix tests/,test_golden.py test_processor_places.py fabrics/test_sums.py fabrics/test_laws.py \
-	validation/claims validation/models shellfabric/cell shellfabric/block shellfabric/projectile weavecell/limits weavecell/studies)
+	validation/models shellfabric/cell shellfabric/block shellfabric/projectile weavecell/limits weavecell/studies)
+# the verdicts of the ledger, in 170 CPU s more: nightly, by `test-generic`
+VERDICTS = tests/validation/claims
 # BLAS of a processor without AVX2, and numpy's loops without it: nothing is compiled
 OTHER = OPENBLAS_CORETYPE=Sandybridge NPY_DISABLE_CPU_FEATURES="AVX2 FMA3"
 # kernels for any x86-64 processor, in a cache of their own
@@ -49,7 +51,7 @@ test-processor: setup  ## what holds numbers, once more with BLAS and numpy's lo
 	$(OTHER) $(QUICK) $(NUMBERS)
 
 test-generic: setup  ## the same with kernels compiled for any processor: minutes of compiling
-	$(GENERIC) $(OTHER) $(QUICK) $(NUMBERS)
+	$(GENERIC) $(OTHER) $(QUICK) $(NUMBERS) $(VERDICTS)
 
 printed: setup  ## every command that the guide prints, run as a reader would: twenty minutes of one core
 	$(LONG) -m printed

@@ -97,15 +97,22 @@ def test_each_measure_is_what_its_name_says(monkeypatch):
 
 # rows of packs that the limited shares of their contact have moved, until they are computed again
 MOVED = {"Prosser, fragment simulator", "Prosser, rounded .22"}
+# [CPU s] of rows that run nightly, since a cheaper one is measured alike: the other projectile, the other gelatine
+LONG = {"Prosser, fragment simulator": 70, "gelatine 10 %": 40}
 
 
 def marked(row):
     """A row as a case; one that is known to have moved fails."""
-    moved = pytest.mark.xfail(strict=True, reason="limited shares of the contact of plies")
-    return pytest.param(row, id=row.id, marks=moved if row.id in MOVED else ())
+    marks = [pytest.mark.slow(LONG.get(row.id, 20))]
+    if row.id in LONG:
+        marks.append(pytest.mark.nightly)
+    if row.id in MOVED:
+        marks.append(
+            pytest.mark.xfail(strict=True, reason="limited shares of the contact of plies")
+        )
+    return pytest.param(row, id=row.id, marks=marks)
 
 
-@pytest.mark.slow(20)
 @pytest.mark.parametrize("row", [marked(row) for row in rows.read() if row.coarse_case])
 def test_the_coarse_run_is_as_stored(row):
     value, _, error = rows.compute(row.coarse_case)

@@ -73,8 +73,19 @@ def test_a_tutorial_keeps_small_outputs(path):
     assert printed(nbformat.read(path, 4))
 
 
-@pytest.mark.slow(60)
-@pytest.mark.parametrize("path", TUTORIALS)
+# [CPU s] of those of a minute and more, which run nightly
+LONG = {"own-fabric-to-v50": 230}
+
+
+def marked(path):
+    """A tutorial as a case."""
+    marks = [pytest.mark.slow(LONG.get(path.stem, 30))]
+    if path.stem in LONG:
+        marks.append(pytest.mark.nightly)
+    return pytest.param(path, marks=marks, id=path.stem)
+
+
+@pytest.mark.parametrize("path", [marked(path) for path in TUTORIALS])
 def test_a_tutorial_prints_what_it_keeps(path, tmp_path):
     """Else: python tools/notebooks.py"""
     if path.stem not in ("first-shot", "nine-millimetre-bullet", "biaxial-tests"):
