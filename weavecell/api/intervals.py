@@ -64,8 +64,7 @@ def plan_interval(
     quantities.refuse_unused(beside, "of an interval")
     case = target.case
     if case is not None:
-        panel = case.scene.panel
-        if panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set:
+        if target.is_pinned:
             allowed = "yarns, auto, or left out of an interval, which resolves the yarns"
             raise InputError(key="panel.crossovers", value="pinned", allowed=allowed)
         if case.scene.accuracy is not None:

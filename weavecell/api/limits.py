@@ -32,7 +32,7 @@ from fabrics.base.errors import (
 )
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, quantities
+from weavecell.api import keywords, one_run, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
@@ -416,7 +416,7 @@ class CriticalVelocityResult(StudyResult):
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `StudyResult`; and the scan, if there was none."""
-        found = super().left_out
+        found = (*super().left_out, *self._of_one_run)
         if self.scan is not None or self.v50 is not None:
             return found
         way = option("scan")
@@ -470,6 +470,14 @@ class CriticalVelocityResult(StudyResult):
         """ "ok", or which end of the bracket, or of the zone of mixed outcomes, is a doubtful shot,
         and why."""
         return checks.judge_bracket(self.limit)
+
+    @cached_property
+    def _of_one_run(self):
+        """What the shots stand for that nobody gave (`one_run`)."""
+        unknown = one_run.find_unknown(self.target, "critical-velocity")
+        if unknown is None:
+            return ()
+        return (unknown,)
 
     @property
     def headline(self) -> tuple[str, str]:

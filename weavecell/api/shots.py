@@ -27,6 +27,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
@@ -40,6 +41,7 @@ from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.api import one_run
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure, remember_folder, say_before_range
@@ -579,7 +581,18 @@ class ShotResult(ImpactRecord, Result):
         if self.target is None:
             return ()
         compared = self.pair is not None
-        return find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
+        found = find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
+        return (*found, *self._of_one_run)
+
+    @cached_property
+    def _of_one_run(self):
+        """What one run stands for that nobody gave (`one_run`); empty of a run without a target."""
+        if self.target is None:
+            return ()
+        unknown = one_run.find_unknown(self.target, "shot")
+        if unknown is None:
+            return ()
+        return (unknown,)
 
     def __dir__(self) -> list[str]:
         """The names that a user needs, for completion; the others of the record are there too."""
@@ -833,7 +846,8 @@ class ShotResult(ImpactRecord, Result):
         parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.target is not None:
             parts.append(name_friction(self.target.setup, self.assumed_range))
-        return "; ".join(filter(None, (*parts, self.chosen, self.widened)))
+        parts += [self.chosen, self.widened, *(part.brief for part in self._of_one_run)]
+        return "; ".join(filter(None, parts))
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""

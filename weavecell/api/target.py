@@ -89,6 +89,14 @@ class Target:
             own = self.case.scene.title
         return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
 
+    @property
+    def is_pinned(self) -> bool:
+        """Whether its input file, or a keyword, asks for pinned yarns."""
+        if self.case is None:
+            return False
+        panel = self.case.scene.panel
+        return panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set
+
     def as_run(self, widened: str) -> Target:
         """Return the target as it was run: with all yarns resolved if its zone was too small.
 

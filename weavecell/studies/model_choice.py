@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 FILE = "models_of_scenes.csv"
 BULLET = "bullet"
 NOSE = "nose"
+PINNED = "pinned"  # begins the names of the models of pinned yarns
 # steps that count alike: factors on nose, velocity and plies; of the friction a difference
 FACTORS = {"nose": 2.0, "velocity": 1.5, "plies": 3.0}
 FRICTION = 0.15
@@ -137,13 +138,25 @@ def _scene_of(row: Mapping[str, str]) -> KnownScene:
     )
 
 
+def find_like(setup: ImpactSetup, target: Panel | Pack) -> KnownScene | None:
+    """Find the nearest of the scenes that were run; None if none is like this one. Arguments as of `describe`."""
+    numbers = describe(setup, target)
+    nearest = min(known_scenes(), key=lambda scene: numbers.distance(scene.numbers))
+    if numbers.distance(nearest.numbers) > FAR:
+        return None
+    return nearest
+
+
 def advise(setup: ImpactSetup, target: Panel | Pack) -> str:
     """Say which model the scene needs, in one line; arguments as of `describe`."""
-    numbers = describe(setup, target)
-    scenes = known_scenes()
-    nearest = min(scenes, key=lambda scene: numbers.distance(scene.numbers))
-    if numbers.distance(nearest.numbers) > FAR:
-        return (
-            f"model: none of the {len(scenes)} scenes that were run in all models is like this one"
-        )
-    return f"model: {nearest}"
+    like = find_like(setup, target)
+    if like is None:
+        count = len(known_scenes())
+        return f"model: none of the {count} scenes that were run in all models is like this one"
+    return f"model: {like}"
+
+
+def pinned_are_enough(setup: ImpactSetup) -> bool:
+    """Tell whether pinned yarns were enough in the scene that is like this one."""
+    like = find_like(setup, setup.target())
+    return like is not None and like.cheapest.startswith(PINNED)

@@ -124,7 +124,7 @@ def strike_at(setup: ImpactSetup, place: Place) -> ImpactSetup:
         return setup
     x, y = (2 * float(share * w) for share, w in zip(place.along, setup.fabric.weave.w))
     whole = replace(setup, impact_point=(x, y), symmetry="whole")
-    if setup.strength is not None:
+    if setup.strength is not None or setup.angled:
         return whole
     planes = tuple(setup.projectile.mirrored(axis) and not off for axis, off in enumerate((x, y)))
     part = replace(whole, symmetry=next(name for name, has in SYMMETRIES.items() if has == planes))

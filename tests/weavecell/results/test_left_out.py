@@ -9,6 +9,7 @@ import pytest
 import weavecell as wc
 from shellfabric.yarns.model import YarnZone
 from tests.weavecell.written import page_of, without_marks
+from weavecell.api.one_run import KIND
 from weavecell.results import left_out
 from weavecell.studies.assumed_range import AssumedRange, Row
 
@@ -31,12 +32,15 @@ def find_v50(out):
     return wc.v50("S-720", shots=8, batch=4, out=out, **SMALL)
 
 
+ALL = {"model", "assumed data", "mesh", "sampling"}
+
+
 @pytest.mark.parametrize(
     "compute, file, kinds",
     [
-        (fire_shot, "summary.json", {"model", "assumed data", "mesh", "sampling"}),
-        (find_limit, "critical-velocity.json", {"model", "assumed data", "mesh", "sampling"}),
-        (find_v50, "v50.json", {"model", "assumed data", "mesh"}),
+        (fire_shot, "summary.json", {*ALL, KIND}),
+        (find_limit, "critical-velocity.json", {*ALL, KIND}),
+        (find_v50, "v50.json", ALL - {"sampling"}),
     ],
 )
 def test_every_place_says_what_a_number_leaves_out(tmp_path, compute, file, kinds):

@@ -8,6 +8,7 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
+from shellfabric.impact.setup import Ply
 from weavecell.studies import interval, places
 from weavecell.studies.interval import Interval, Run, Variation
 from weavecell.studies.places import CROSSOVER, GAP, ON_WARP, ON_WEFT, Places
@@ -66,6 +67,11 @@ def test_a_place_is_struck_as_the_smallest_part_of_the_panel():
         struck = places.strike_at(sphere, place)
         assert struck.impact_point == pytest.approx(point)
         assert struck.symmetry == part
+    # a ply at another angle than a right one mirrors itself nowhere
+    fabric = sphere.fabric
+    lay_up = (Ply(fabric), Ply(fabric, angle=0.4))
+    pack = replace(sphere, plies=2, lay_up=lay_up)
+    assert places.strike_at(pack, CROSSOVER).symmetry == "whole"
     # a nose that leans in the plane of the warp, edges that differ, a chisel that is rolled
     leaning = replace(sphere, projectile=replace(sphere.projectile, obliquity=0.3))
     assert places.strike_at(leaning, CROSSOVER).symmetry == "other half"
