@@ -30,7 +30,7 @@ from fabrics.base.run_cache import ADDED_LATER
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.weave import arc_length
-from shellfabric.cell import coefficients, fill_kernels
+from shellfabric.cell import coefficients, fill_kernels, packed_table
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.state import CellYarn, Crossover
 
@@ -386,6 +386,17 @@ class CellTable:
     def steps(self) -> tuple[float, float]:
         """[-] grid spacings along the two stretches."""
         return self.stretch1[1] - self.stretch1[0], self.stretch2[1] - self.stretch2[0]
+
+    @cached_property
+    def packed(self) -> packed_table.Packed:
+        """The table as the kernels read it: all panels of a table read the same arrays, and no kernel
+        writes to them."""
+        scales = [2 * w * step for w, step in zip(self.model.fabric.weave.w, self.steps)]
+        return packed_table.Packed(
+            packed_table.ceilings(self.spline, (self.tension1, self.tension2), scales),
+            packed_table.potential(self.spline),
+            packed_table.beyond(self.spline, self.steps),
+        )
 
     def stiffness(self) -> float:
         """Return the largest eigenvalue [N/m] of the membrane tangent dN_i/dLambda_j (per width of

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fabrics.base.checks import FloatArray
 from shellfabric.cell import crossover_kernels
 from shellfabric.jit.aligned import aligned_zeros
-
-if TYPE_CHECKING:
-    from shellfabric.cell.model import CellTable
 
 _STEPS = 256  # of the force, in the bound of the tension
 REACH = 0.15  # of the stretch beyond the table; from 0.1 to 0.2 the tangent there is at most 1.01 times the table's
@@ -21,7 +18,7 @@ _PIECE = 2000  # cells that are worked on together, so that what is in between s
 
 @dataclass(frozen=True)
 class Packed:
-    """A table as the kernels read it.
+    """A table as the kernels read it (`CellTable.packed`).
 
     Parameters
     ----------
@@ -33,50 +30,47 @@ class Packed:
     beyond: tuple[float, ...]
 
 
-def pack(table: CellTable) -> Packed:
-    """Return the table as the kernels read it, computed once: all panels of a table read the same
-    arrays, and no kernel writes to them."""
-    known = table.__dict__
-    if "_packed" not in known:
-        known["_packed"] = Packed(ceilings(table), potential(table), beyond(table))
-    found: Packed = known["_packed"]
-    return found
-
-
-def potential(table: CellTable) -> tuple[FloatArray, FloatArray]:
-    """Pack the table's potential but for its constants, (cells, 8) [J], each row a cache line, and
-    these, (cells,) [J]."""
-    columns = table.spline.reshape(-1, 9)
+def potential(spline: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Pack the potential of a table's `spline` but for its constants, (cells, 8) [J], each row a cache
+    line, and these, (cells,) [J]."""
+    columns = spline.reshape(-1, 9)
     rows = aligned_zeros(1, 8 * len(columns))[0].reshape(-1, 8)
     rows[:] = columns[:, [3, 6, 1, 2, 4, 7, 5, 8]]  # of p, p p, q, q q, p q, p p q, p q q, p p q q
     return rows, columns[:, 0].copy()
 
 
-def beyond(table: CellTable) -> tuple[float, ...]:
-    """Compute what `table_kernels` goes on with beyond the table: its reach in cells along both
-    stretches, and at its corner both slopes of the potential and both its curvatures [J]."""
-    corner = table.spline[-1, -1].reshape(3, 3)  # of p^a q^b at [a, b]
+def beyond(spline: FloatArray, steps: tuple[float, float]) -> tuple[float, ...]:
+    """Compute what `table_kernels` goes on with beyond a table with a `spline` and `steps` [-]: its reach
+    in cells along both stretches, and at its corner both slopes of the potential and both its
+    curvatures [J]."""
+    corner = spline[-1, -1].reshape(3, 3)  # of p^a q^b at [a, b]
     _, first1, second1 = corner.sum(axis=1)
     _, first2, second2 = corner.sum(axis=0)
     curvatures = max(2 * second1, 0.0), max(2 * second2, 0.0)
-    reaches = (REACH / step for step in table.steps)
+    reaches = (REACH / step for step in steps)
     return tuple(map(float, (*reaches, first1 + 2 * second1, first2 + 2 * second2, *curvatures)))
 
 
-def ceilings(table: CellTable) -> list[tuple[FloatArray, float]]:
+def ceilings(
+    spline: FloatArray, tensions: Sequence[FloatArray], scales: Sequence[float]
+) -> list[tuple[FloatArray, float]]:
     """Compute the bounds that the forces of the variational form give of the tensions of warp and
-    weft (`_ceiling`)."""
+    weft (`_ceiling`).
+
+    Parameters
+    ----------
+    spline, tensions : of a CellTable, tensions of (warp, weft)
+    scales : (warp, weft) [m] by which a slope of the potential over a cell of the table is a force
+    """
     found = []
-    weave = table.model.fabric.weave
-    spline = table.spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]
-    for family, values in enumerate((table.tension1, table.tension2)):
-        scale = 2 * weave.w[family] * table.steps[family]
-        tensions = values.reshape(-1, 4)
+    spline = spline.reshape(-1, 3, 3)  # of p^a q^b at [a, b]
+    for family, scale in enumerate(scales):
+        values = tensions[family].reshape(-1, 4)
         bounds = []
         for begin in range(0, len(spline), _PIECE):
             W, T = (
                 np.ascontiguousarray(np.moveaxis(x[begin : begin + _PIECE], 0, -1))
-                for x in (spline, tensions)
+                for x in (spline, values)
             )
             if family == 1:
                 W = W.swapaxes(0, 1)

@@ -8,7 +8,6 @@ import numpy as np
 
 from fabrics.base.checks import FloatArray
 from fabrics.ply_laws import packing_stiffness
-from shellfabric.cell import packed_table
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.simd import WIDTH
 from shellfabric.membrane import edges, failure, grading
@@ -61,9 +60,8 @@ def _constants(panel):
     x0, y0 = panel.origin
     shot = panel.shot
     warp_lines, weft_lines = failure.lines_of(panel)
-    packed = packed_table.pack(table)
-    (bound1, bound_step1), (bound2, bound_step2) = packed.ceilings
-    coefficients, constant = packed.potential
+    (bound1, bound_step1), (bound2, bound_step2) = table.packed.ceilings
+    coefficients, constant = table.packed.potential
     rim = edges.rim(panel)
     # over the fabric: it slides, or the fabric is drawn under it; on a graded panel from within the
     # first zone
@@ -112,7 +110,7 @@ def _constants(panel):
             table.stretch2.size - 2.0,
             table.stretch2.size - 1.0,
         ),
-        table_beyond=packed.beyond,
+        table_beyond=table.packed.beyond,
         force_per_slope1=rx / (2 * w1),
         force_per_slope2=ry / (2 * w2),
         variational=table.model.cell_formulation == "variational",

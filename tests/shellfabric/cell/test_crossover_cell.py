@@ -58,8 +58,8 @@ def table_potential(table, x, y):
     rx, ry = 1 / np.array(table.steps)
     top1, top2 = (axis.size - 2.0 for axis in (table.stretch1, table.stretch2))
     grid = table.stretch1[0], rx, top1, table.stretch2[0], ry, top2, top2 + 1
-    rows, level = packed_table.potential(table)
-    return table_kernels.potential(x, y, grid, rows, packed_table.beyond(table), level)
+    rows, level = table.packed.potential
+    return table_kernels.potential(x, y, grid, rows, table.packed.beyond, level)
 
 
 def table_forces(table, x, y):
@@ -78,8 +78,8 @@ def table_forces(table, x, y):
         per = rx / (2 * w1), ry / (2 * w2)
         *_, high1, high2 = table_kernels.potential_forces(
             *at,
-            packed_table.potential(table)[0],
-            packed_table.beyond(table),
+            table.packed.potential[0],
+            table.packed.beyond,
             per,
             np.zeros(16, np.int32),
             N1,
