@@ -35,7 +35,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Row:
+class PlausibleRange:
     """A row of `plausible.toml`, its numbers in SI units.
 
     Parameters
@@ -58,7 +58,7 @@ class Row:
     source: str
 
     @classmethod
-    def read(cls, entry: Mapping[str, Any]) -> Row:
+    def read(cls, entry: Mapping[str, Any]) -> PlausibleRange:
         """Make the row of a table of the file."""
         unit = entry.get("unit", "")
         ends = {
@@ -109,10 +109,10 @@ class Number:
 
 
 @cache
-def rows() -> dict[str, Row]:
-    """Read `plausible.toml`: {name: Row}."""
+def rows() -> dict[str, PlausibleRange]:
+    """Read `plausible.toml`: {name: PlausibleRange}."""
     content = read_data(Path(__file__).with_suffix(".toml"))
-    return {name: Row.read(entry) for name, entry in content.items()}
+    return {name: PlausibleRange.read(entry) for name, entry in content.items()}
 
 
 def judge(

@@ -392,7 +392,7 @@ def _range_of_difference(panels, width, report, runs):
             return problems, None
         return "", found[0][1] - found[1][1]
 
-    nominal = ranges.Row("nominal", *difference(pair))
+    nominal = ranges.VariedRun("nominal", *difference(pair))
     return ranges.run_ends(DIFFERENCE, pair, ends, nominal, difference)
 
 

@@ -38,7 +38,7 @@ NEXT_STEP = 1.05
 
 
 @dataclass(frozen=True)
-class Row:
+class VariedRun:
     """One run: laws and outcome in words, velocity [m/s] or None, and what was varied, "" of
     several or nothing."""
 
@@ -55,11 +55,11 @@ class AssumedRange:
     Parameters
     ----------
     quantity : "residual velocity" or "critical velocity"
-    rows : tuple of Row, the nominal run first
+    rows : tuple of VariedRun, the nominal run first
     """
 
     quantity: str
-    rows: tuple[Row, ...]
+    rows: tuple[VariedRun, ...]
 
     @property
     def widths(self) -> dict[str, tuple[float, float]]:
@@ -328,7 +328,7 @@ def residual_velocity(
         (found,) = run_cache.results(_residual, [(plain,)], folder=folder)
         return found
 
-    row = Row("nominal", outcome, velocity)
+    row = VariedRun("nominal", outcome, velocity)
     return run_ends("residual velocity", setup, changes(setup), row, shot, on_progress)
 
 
@@ -382,7 +382,7 @@ def critical_velocity(
             return str(problem), None
         return "bracket on a doubtful shot" * any(map(doubtful, limit.ends)), float(limit.velocity)
 
-    row = Row("nominal", "", velocity)
+    row = VariedRun("nominal", "", velocity)
     return run_ends("critical velocity", setup, changes(setup), row, search, on_progress)
 
 
@@ -395,7 +395,7 @@ def run_ends(
     quantity: str,
     setup: ImpactSetup,
     ends: Ends,
-    nominal: Row,
+    nominal: VariedRun,
     run: Callable[[ImpactSetup], tuple[str, float | None]],
     on_progress: Callable[[float], object] | None = None,
 ) -> AssumedRange | None:
@@ -406,7 +406,7 @@ def run_ends(
     count = sum(map(len, ends.values())) + 2
 
     def add(words, changed, varied=""):
-        rows.append(Row(words, *run(changed), varied))
+        rows.append(VariedRun(words, *run(changed), varied))
         if on_progress is not None:
             on_progress(min((len(rows) - 1) / count, 1.0))
 

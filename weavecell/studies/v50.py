@@ -428,7 +428,7 @@ def run_assumed_range(
     each = [(change(setup), tolerance) for of_one in ends.values() for change in of_one.values()]
     # they run beside each other
     run_cache.results(search_limit, each, report=report, **runs)
-    nominal = assumed_range.Row("nominal", "", middle)
+    nominal = assumed_range.VariedRun("nominal", "", middle)
     limits = assumed_range.run_ends("limit without scatter", setup, ends, nominal, limit_of)
     curve = result.curves["probit"]
     if not again or limits is None or curve.reason:
@@ -445,7 +445,7 @@ def run_assumed_range(
         return other.reason, None if other.reason else other.V50
 
     largest = {name: ends[name] for name in list(limits.widths)[:LARGEST]}
-    nominal = assumed_range.Row("nominal", "", curve.V50)
+    nominal = assumed_range.VariedRun("nominal", "", curve.V50)
     return assumed_range.run_ends("V50", setup, largest, nominal, v50_of)
 
 

@@ -150,9 +150,9 @@ def test_examples_run(succeed, tmp_path, example):
 def test_a_view_has_the_whole_panel_and_the_projectile(results):
     folder = results("impact").folder
     file = view.find(folder)
-    panel = view.panel_of(folder, file)
+    panel = view.read_shot(folder, file)
     assert panel.mirrors == (True, True)
-    assert view.panel_of(folder / "panel.pvd", file).series == panel.series
+    assert view.read_shot(folder / "panel.pvd", file).series == panel.series
     last, t = panel.series[-1]
     assert last == file
     assert [time for _, time in panel.series] == sorted(time for _, time in panel.series)
@@ -202,7 +202,7 @@ def test_a_view_without_histories_names_the_file(command, copied):
     assert "histories.h5" in command("view results --movie shot.gif")[2]
     # a folder of another program has no list of files
     (copied / ".weavecell-files").unlink()
-    assert view.panel_of(copied, view.find(copied)) is None
+    assert view.read_shot(copied, view.find(copied)) is None
 
 
 def test_failed_yarns_keep_their_colour_in_a_movie(tmp_path):
@@ -219,5 +219,5 @@ def test_a_projectile_at_rest_has_no_sign():
     record = SimpleNamespace(
         time=np.array([0.0, 1e-4]), velocity=np.array([90.0, -0.2]), time_of_pack=float
     )
-    caption = view.Panel.caption(SimpleNamespace(record=record), 1e-4)
+    caption = view.ViewedShot.caption(SimpleNamespace(record=record), 1e-4)
     assert caption == "100 µs after the strike, projectile at 0 m/s"

@@ -97,7 +97,7 @@ def test_the_outcome_is_one_line(record):
 
 def test_the_moving_panel_has_the_snapshots_of_the_run(results, record):
     """What the script of the page reads: places to a 65,535th of the box, tensions to a 200th of the strength."""
-    instants = view.Panel(
+    instants = view.ViewedShot(
         record, vtk.read_series(results("impact").folder / "panel.pvd")
     ).instants()
     head = json.loads(moving.moving(record, instants))

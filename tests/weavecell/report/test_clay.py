@@ -69,7 +69,7 @@ def test_a_block_at_an_angle_is_cut_where_it_stands():
 
 
 def test_pictures_show_clay_behind_the_fabric(record):
-    panel = view.Panel(record, [])
+    panel = view.ViewedShot(record, [])
     grid = vtk.panel(record.final, record.quads)
     end = record.final[-1].time
     drawn = panel.face(end)
@@ -95,10 +95,10 @@ def test_beside_a_pack_that_has_left_it_the_block_is_drawn_as_it_was_then(record
     alone = replace(record, backing=replace(record.backing, alone_from=left.time + 1e-9))
     for t, expected in ((first.time, first), (left.time, left), (last.time, left)):
         assert np.array_equal(alone.face_at(t), expected.face), t
-    caption = view.Panel(alone, []).caption(last.time)
+    caption = view.ViewedShot(alone, []).caption(last.time)
     assert caption.startswith(f"{1e6 * left.time:.0f} µs")
     assert "alone" in caption
-    assert "alone" not in view.Panel(record, []).caption(last.time)
+    assert "alone" not in view.ViewedShot(record, []).caption(last.time)
 
 
 def test_the_view_in_motion_has_the_face_of_each_instant(struck, record):

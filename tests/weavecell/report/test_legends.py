@@ -41,7 +41,7 @@ from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Cut
 from weavecell.results.wave_fronts import Front
 from weavecell.studies import probit, v50
-from weavecell.studies.assumed_range import AssumedRange, Row
+from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.energy_map import EnergyMap
 from weavecell.studies.sweep import QUANTITIES
@@ -931,10 +931,10 @@ def misses(pyplot):
 
 @case(pictures_uncertainty.tornado)
 def tornado(pyplot):
-    rows = [Row("nominal", "stopped", 100.0)]
+    rows = [VariedRun("nominal", "stopped", 100.0)]
     ends = {"failure length": (70.0, 120.0), "friction": (95.0, 113.0)}
     for name, pair in ends.items():
-        rows += [Row(name, "stopped", velocity, name) for velocity in pair]
+        rows += [VariedRun(name, "stopped", velocity, name) for velocity in pair]
     around = AssumedRange("critical velocity", tuple(rows))
     figure = pictures_uncertainty.tornado(pyplot, around, "S-720")
     (axes,) = figure.axes

@@ -31,7 +31,7 @@ from weavecell.results.finding import Finding
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.results.result_folder import ResultFolder
 from weavecell.studies import biaxial_fit, inputs
-from weavecell.studies.assumed_range import AssumedRange, Row
+from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.biaxial_fit import Constant
 from weavecell.studies.bracket import Bracket
 from weavecell.studies.displacement_record import Motion
@@ -165,7 +165,9 @@ def test_the_friction_between_yarns_is_told_with_its_own_ends():
     name = inputs.FRICTION_OF_CROSSOVERS
     rows = [("", "", 150.0), (name, f"{name} 0.3", 171.0), (name, f"{name} 0.1", 140.0)]
     rows.append(("crimp", "crimp low", 120.0))
-    given = [Row(varied=varied, laws=laws, velocity=V, outcome="") for varied, laws, V in rows]
+    given = [
+        VariedRun(varied=varied, laws=laws, velocity=V, outcome="") for varied, laws, V in rows
+    ]
     found = AssumedRange(quantity="limit", rows=tuple(given))
     words = "friction between yarns of 0.1 to 0.3, which is assumed: 140.0 to 171.0 m/s"
     assert found.over_friction_between_yarns == words

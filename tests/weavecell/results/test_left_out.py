@@ -11,7 +11,7 @@ from shellfabric.yarns.model import YarnZone
 from tests.weavecell.written import page_of, without_marks
 from weavecell.api.one_run import KIND
 from weavecell.results import left_out
-from weavecell.studies.assumed_range import AssumedRange, Row
+from weavecell.studies.assumed_range import AssumedRange, VariedRun
 
 # no test here looks at what a picture shows
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -71,10 +71,10 @@ def test_what_is_computed_is_not_left_out():
     brief = left_out.brief_words(left_out.find_left_out(resolved))
     assert brief.startswith("friction between yarns assumed, 0.1 to 0.3; ")
     rows = [
-        Row("best estimates", "", 90.0),
-        Row("friction of crossovers 0.1", "", 60.0, "friction of crossovers"),
-        Row("friction of crossovers 0.3", "", 120.0, "friction of crossovers"),
-        Row("strength", "", 80.0, "strength after weaving"),
+        VariedRun("best estimates", "", 90.0),
+        VariedRun("friction of crossovers 0.1", "", 60.0, "friction of crossovers"),
+        VariedRun("friction of crossovers 0.3", "", 120.0, "friction of crossovers"),
+        VariedRun("strength", "", 80.0, "strength after weaving"),
     ]
     around = AssumedRange("critical velocity", tuple(rows))
     interval = "friction between yarns of 0.1 to 0.3, which is assumed: 60.0 to 120.0 m/s"

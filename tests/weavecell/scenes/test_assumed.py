@@ -23,7 +23,7 @@ from tests.weavecell.session_runs import SCENES
 from weavecell.api.target import resolve_fabric
 from weavecell.scenes import build, impact
 from weavecell.studies import assumed_range, ballistic_limit
-from weavecell.studies.assumed_range import AssumedRange, Row
+from weavecell.studies.assumed_range import AssumedRange, VariedRun
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 MINE = EXAMPLES / "fabrics" / "mine.toml"
@@ -424,11 +424,11 @@ def test_yarns_that_are_not_compressed_need_no_law(model):
 def test_a_range_names_what_its_ends_rest_on():
     """A share is the width of one alone over all widths, without the runs of several."""
     rows = (
-        Row("nominal", "", 130.0),
-        Row("trellis soft", "", 120.0, "trellis law"),
-        Row("trellis stiff", "unstable", None),
-        Row("warp share 0.5", "", 135.0, "crimp"),
-        Row("all that lower it", "", 110.0),
+        VariedRun("nominal", "", 130.0),
+        VariedRun("trellis soft", "", 120.0, "trellis law"),
+        VariedRun("trellis stiff", "unstable", None),
+        VariedRun("warp share 0.5", "", 135.0, "crimp"),
+        VariedRun("all that lower it", "", 110.0),
     )
     around = AssumedRange("critical velocity", rows)
     assert around.widths == {"trellis law": (120.0, 130.0), "crimp": (130.0, 135.0)}

@@ -50,7 +50,7 @@ _WINDOW = (1400, 900)
 
 
 @dataclass(frozen=True)
-class Panel:
+class ViewedShot:
     """A shot at one ply or at a pack as it was written: its record, and the files of its snapshots.
 
     Parameters
@@ -173,12 +173,12 @@ def show(
         page.write(beside.build(records, [shot.instants() for shot in shots]), html)
         return
     file = find(path)
-    panel = panel_of(path, file)
-    if cut and (panel is None or (screenshot is None and movie is None)):
+    shot = read_shot(path, file)
+    if cut and (shot is None or (screenshot is None and movie is None)):
         ways = f"{option('screenshot', '')} or {option('movie', '')}"
         allowed = f"given with {ways}, of a folder with panel.pvd and histories.h5"
         raise InputError(key=option("cut", ""), allowed=allowed)
-    if panel is None:
+    if shot is None:
         if movie is not None or html is not None:
             ways = f"{option('movie', '')} and {option('html', '')}"
             allowed = f"a folder with panel.pvd and histories.h5, for {ways}"
@@ -186,35 +186,35 @@ def show(
         _show_elements(file, None, screenshot)
         return
     if movie is not None:
-        _write_movie(panel, movie, cut)
+        _write_movie(shot, movie, cut)
     if html is not None:
-        page.write(moving.page(panel.record, panel.instants()), html)
+        page.write(moving.page(shot.record, shot.instants()), html)
     if screenshot is not None:
         with plots() as pyplot, replace_whole(screenshot) as picture:
             if cut:
-                last = cut_figure(pyplot, panel, -1)
+                last = cut_figure(pyplot, shot, -1)
             else:
-                last = snapshot(pyplot, panel, file)
+                last = snapshot(pyplot, shot, file)
             last.savefig(picture, format="png", dpi=170)
     if movie is html is screenshot is None:
-        _show_elements(file, panel, None)
+        _show_elements(file, shot, None)
 
 
 def _shot_at(path, key):
-    """The Panel of a folder; InputError, which names the option, without one."""
-    panel = None
+    """The ViewedShot of a folder; InputError, which names the option, without one."""
+    shot = None
     if (path / "panel.pvd").exists():
-        panel = panel_of(path, path)
-    if panel is None:
+        shot = read_shot(path, path)
+    if shot is None:
         allowed = (
             "a folder of a shot, with panel.pvd and histories.h5; V50 and limits are compared by "
             "`weavecell compare`"
         )
         raise InputError(key=key, value=str(path), allowed=allowed)
-    return panel
+    return shot
 
 
-def _show_elements(file, panel, screenshot):
+def _show_elements(file, shot, screenshot):
     """Show the elements of a file in a window, or write a picture of them."""
     # the message says what to do in place of a window
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
@@ -223,7 +223,7 @@ def _show_elements(file, panel, screenshot):
         html, still, film = (f"{option(name, '')} {file}" for name, file in files.items())
         raise InputError(f"there is no display for a window: give {html}, {still} or {film}")
     scene = pictures_mesh.plotter(_WINDOW, "three lights", off_screen=screenshot is not None)
-    add(scene, file, panel)
+    add(scene, file, shot)
     if screenshot is not None:
         pictures_mesh.save(scene, screenshot)
     else:
@@ -252,7 +252,7 @@ def find(path: Path) -> Path:
     raise InputError(key="PATH", value=str(path), allowed=_ALLOWED)
 
 
-def panel_of(path: Path, file: Path) -> Panel | None:
+def read_shot(path: Path, file: Path) -> ViewedShot | None:
     """Find the shot at one ply or pack that a path belongs to; None if it is none, or has no
     histories.h5."""
     path = Path(path)
@@ -265,27 +265,27 @@ def panel_of(path: Path, file: Path) -> Panel | None:
     if not (folder / HISTORIES).exists() or not series.exists():
         return None
     found = open_folder(folder, *SERIES)
-    return Panel(found.read_impact(), vtk.read_series(series))
+    return ViewedShot(found.read_impact(), vtk.read_series(series))
 
 
-def snapshot(pyplot: Any, panel: Panel, file: Path) -> Any:
+def snapshot(pyplot: Any, shot: ViewedShot, file: Path) -> Any:
     """Draw one .vtu of a series."""
     import pyvista
 
-    return compose(pyplot, panel, pyvista.read(file), panel.time_of(file))
+    return compose(pyplot, shot, pyvista.read(file), shot.time_of(file))
 
 
 def end(pyplot: Any, record: ImpactRecord, near: bool = False) -> Any:
     """Draw the last instant of a record, without the files of a run; what is about the nose alone
     if wanted."""
     grid = vtk.panel(record.final, record.quads)
-    return compose(pyplot, Panel(record, []), grid, record.final[-1].time, near)
+    return compose(pyplot, ViewedShot(record, []), grid, record.final[-1].time, near)
 
 
 def half_way(pyplot: Any, record: ImpactRecord) -> Any:
     """Draw what is about the nose when the projectile had lost half of the energy that it lost."""
     grid = vtk.panel(record.half_energy, record.quads)
-    return compose(pyplot, Panel(record, []), grid, record.half_energy[-1].time, near=True)
+    return compose(pyplot, ViewedShot(record, []), grid, record.half_energy[-1].time, near=True)
 
 
 def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
@@ -320,16 +320,16 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
     return tuple(figures)
 
 
-def compose(pyplot: Any, panel: Panel, grid: Any, t: float, near: bool = False) -> Any:
+def compose(pyplot: Any, shot: ViewedShot, grid: Any, t: float, near: bool = False) -> Any:
     """Compose the figure of the grid of one instant: outcome, instant, panel, or what is about the
     nose alone, and scale of tensions."""
     figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
     # places by hand: a layout that matplotlib chooses would move from frame to frame
     axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
-    axes.imshow(panel.image(grid, t, near), interpolation="antialiased")
+    axes.imshow(shot.image(grid, t, near), interpolation="antialiased")
     axes.axis("off")
-    figure.text(0.02, 0.95, panel.headline(), weight="bold", color=INK)
-    figure.text(0.02, 0.905, panel.caption(t), color=INK)
+    figure.text(0.02, 0.95, shot.headline(), weight="bold", color=INK)
+    figure.text(0.02, 0.905, shot.caption(t), color=INK)
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100), tension_map())
     bar = figure.colorbar(
         scale, cax=figure.add_axes((0.2, 0.115, 0.6, 0.022)), orientation="horizontal"
@@ -342,53 +342,53 @@ def compose(pyplot: Any, panel: Panel, grid: Any, t: float, near: bool = False) 
     return figure
 
 
-def cut_figure(pyplot: Any, panel: Panel, number: int) -> Any:
+def cut_figure(pyplot: Any, shot: ViewedShot, number: int) -> Any:
     """Draw a cut of the record, by its number, with heights up to the highest of all cuts."""
-    row, top = _cut_row(panel, number)
+    row, top = _cut_row(shot, number)
     figure = pictures_shot.cuts(pyplot, [row], chapters_shot.CLOSE_UP, top)
     figure.suptitle(
-        panel.headline(), weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11
+        shot.headline(), weight="bold", color=INK, x=0.02, y=0.995, ha="left", fontsize=11
     )
     figure.set_size_inches(10.4, 4.2)
     return figure
 
 
-def _cut_row(panel, number):
+def _cut_row(shot, number):
     """(what `pictures_shot.cuts` draws of a cut, the highest point [m] of all cuts): one height, so
     that a movie does not jump."""
-    record = panel.record
+    record = shot.record
     cut = record.cuts[number]
-    row = chapters_shot.cut_view(record, cut, panel.caption(cut.time))
+    row = chapters_shot.cut_view(record, cut, shot.caption(cut.time))
     return row, max(map(pictures_shot.foremost, record.cuts))
 
 
-def frames(panel: Panel, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
+def frames(shot: ViewedShot, dpi: int, cut: bool = False, step: int = 1) -> Iterator[np.ndarray]:
     """Yield composed pictures (rows, columns, 3) of all snapshots, in the order of time; if wanted
     of every step-th cut."""
     with plots() as pyplot:
-        for figure in _figures(pyplot, panel, cut, step):
+        for figure in _figures(pyplot, shot, cut, step):
             figure.set_dpi(dpi)
             figure.canvas.draw()
             yield np.array(figure.canvas.buffer_rgba())[..., :3]
 
 
-def _figures(pyplot, panel, cut, step):
+def _figures(pyplot, shot, cut, step):
     if not cut:
-        for file, _ in panel.series:
-            yield snapshot(pyplot, panel, file)
+        for file, _ in shot.series:
+            yield snapshot(pyplot, shot, file)
         return
-    count = len(panel.record.cuts)
+    count = len(shot.record.cuts)
     # counted from the end, so that the last snapshot is shown
     first, *others = range((count - 1) % step, count, step)
-    figure = cut_figure(pyplot, panel, first)
+    figure = cut_figure(pyplot, shot, first)
     yield figure
     for number in others:
-        row, top = _cut_row(panel, number)
+        row, top = _cut_row(shot, number)
         pictures_shot.fill_cut(*figure.axes, row, chapters_shot.CLOSE_UP, top)
         yield figure
 
 
-def add(scene: Any, file: Path, panel: Panel | None) -> None:
+def add(scene: Any, file: Path, shot: ViewedShot | None) -> None:
     """Add the elements of a file to a plotter; of a panel or pack the mirrored parts and the
     projectile too.
 
@@ -396,7 +396,7 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
     ----------
     scene : pyvista.Plotter
     file : .vtu
-    panel : Panel, of a shot at one ply or a pack, or None
+    shot : ViewedShot, of a shot at one ply or a pack, or None
     """
     import pyvista
 
@@ -407,13 +407,13 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
         # a panel at rest has no tension to scale by
         top = max(grid["tension_warp_N"].max(), grid["tension_weft_N"].max(), 1e-9)
         text += f"\nyarn tension, the higher of warp and weft: 0 (light) to {top:.0f} N (dark)"
-        if panel is not None:
-            mirrors = panel.mirrors
-            t = panel.time_of(file)
-            text = f"{panel.headline()}\n{panel.caption(t)}\n{text}"
-            body = np.moveaxis(panel.body(grid, t), -1, 0)
+        if shot is not None:
+            mirrors = shot.mirrors
+            t = shot.time_of(file)
+            text = f"{shot.headline()}\n{shot.caption(t)}\n{text}"
+            body = np.moveaxis(shot.body(grid, t), -1, 0)
             scene.add_mesh(pyvista.StructuredGrid(*body), color=STEEL)
-            face = panel.face(t)
+            face = shot.face(t)
             if face.size:
                 scene.add_mesh(pyvista.StructuredGrid(*np.moveaxis(face, -1, 0)), color=CLAY)
         fabric = pictures3d.colour_grid(grid, np.array([top, top]), mirrors)
@@ -435,7 +435,7 @@ def add(scene: Any, file: Path, panel: Panel | None) -> None:
     scene.add_text(text, position="upper_left", font_size=11, color=INK)
 
 
-def _write_movie(panel, movie, cut):
+def _write_movie(shot, movie, cut):
     if movie.suffix == ".mp4":
         try:
             import imageio.v2 as imageio
@@ -446,11 +446,11 @@ def _write_movie(panel, movie, cut):
             replace_whole(movie) as written,
             imageio.get_writer(written, fps=round(1 / FRAME_TIME)) as writer,
         ):
-            for image in frames(panel, 120, cut):
+            for image in frames(shot, 120, cut):
                 # H.264 takes even numbers of pixels alone
                 writer.append_data(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         return
-    files.write(movie, gif(frames(panel, 76, cut)))
+    files.write(movie, gif(frames(shot, 76, cut)))
 
 
 def gif(images: Iterable[np.ndarray]) -> bytes:
