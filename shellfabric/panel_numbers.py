@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from fabrics.base.schema import Unread, flag, key, named, number, quantity, whole
+from fabrics.base.schema import NoPlace, Unread, flag, key, named, number, quantity, whole
 
 if TYPE_CHECKING:
     from fabrics.fabric import Fabric
@@ -121,7 +121,9 @@ class PanelNumbers:
     "solids" of a patch of solid yarns."""
 
     yarn_failure: Annotated[
-        bool, key(flag("whether a yarn fails at its strength"), "pinned yarns solids")
+        bool,
+        key(flag("whether a yarn fails at its strength"), "pinned yarns solids"),
+        NoPlace("export", "nothing breaks"),
     ] = True
     rate_dependence: Annotated[
         bool,

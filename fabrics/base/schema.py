@@ -6,11 +6,11 @@ A field of a table is all that is said of its key: type, unit, limits, default, 
 `AsDict`, `FileOnly`, `MayBeObject`) and what it is in the standard shot (`StandardShot`): they stand
 beside the field's type, `Annotated[string(...), FileOnly()]`. So do the models (`ReadBy`) and the
 functions (`Unread`) that a key means nothing to: one that is set is refused, or by definition
-passed over; none that is set changes nothing. What keys mean to each other is said by validators of
-the table that holds them. For each value that is wrong the user gets one line: the file, the key,
-the value as written, and what is allowed. The docstring of a table is a sentence about it and,
-after an empty line, an example. The page of keys, the JSON Schemas and what Python takes are made
-from them.
+passed over; none that is set changes nothing. What a deck has no place for (`NoPlace`) is told.
+What keys mean to each other is said by validators of the table that holds them. For each value that
+is wrong the user gets one line: the file, the key, the value as written, and what is allowed. The
+docstring of a table is a sentence about it and, after an empty line, an example. The page of keys,
+the JSON Schemas and what Python takes are made from them.
 
 The Python interface validates with `PYTHON` as the context: plain numbers are then quantities in SI
 units, and objects may stand where a file names one.
@@ -193,6 +193,21 @@ class Unread:
 
     by: str
     allowed: str = ""
+
+
+@dataclass(frozen=True)
+class NoPlace:
+    """Mark a key or a table that a function reads and has no place for in what it writes: it says so
+    (`without_place`), and writes the rest.
+
+    Parameters
+    ----------
+    by : names of functions, between blanks
+    follows : what follows from that, in words; "" if the key itself says it
+    """
+
+    by: str
+    follows: str = ""
 
 
 def mark(entry: FieldInfo, kind: type[Mark]) -> Mark | None:
@@ -710,13 +725,21 @@ def entries(model: type[Table]) -> dict[str, FieldInfo]:
 def unread(model: type[Table], reader: str) -> dict[str, str]:
     """Return {key or table: what is allowed} of what a function does not read (`Unread`), "" of what is
     passed over in silence."""
-    found = {}
+    return {name: own.allowed for name, own in _marks_of(model, Unread, reader)}
+
+
+def without_place(model: type[Table], writer: str) -> dict[str, str]:
+    """Return {key or table: what follows} of what a function has no place for (`NoPlace`)."""
+    return {name: own.follows for name, own in _marks_of(model, NoPlace, writer)}
+
+
+def _marks_of(model, kind, function):
+    """(dotted name, mark) of the keys and tables that have a mark of a kind for a function."""
     for name, table in tables(model).items():
         for key, entry in table.model_fields.items():
             for own in entry.metadata:
-                if isinstance(own, Unread) and reader in own.by.split():
-                    found[f"{name}.{key}".lstrip(".")] = own.allowed
-    return found
+                if isinstance(own, kind) and function in own.by.split():
+                    yield f"{name}.{key}".lstrip("."), own
 
 
 def refuse_passed_over(

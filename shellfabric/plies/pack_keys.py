@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 from fabrics.base.schema import (
     TEXT,
     MayBeObject,
+    NoPlace,
     described,
     in_python,
     key,
@@ -86,6 +87,7 @@ class PackKeys(PackNumbers):
             "pack lay_up",
         ),
         MayBeObject(),
+        NoPlace("export", "contact has the stiffness of the code"),
     ] = None
     ply_friction: Annotated[
         float | None,

@@ -24,7 +24,7 @@ import numpy as np
 import fabrics
 from fabrics.base.checks import BoolArray, FloatArray, IntArray
 from fabrics.base.errors import InputError
-from fabrics.base.schema import unread, with_tables
+from fabrics.base.schema import unread, with_tables, without_place
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.snapshots import quads
 from shellfabric.membrane import boundary
@@ -74,34 +74,27 @@ REFUSED: dict[str, Callable[[Any], bool]] = {
 }
 
 
-# what a run of a set-up has and no deck, whether or not a scene gives the key: it acts by its default too
-LEFT_OUT: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "panel.yarn_failure": ("nothing breaks", lambda ply: ply.yarn_failure),
-    "panel.ply_contact": ("contact has the stiffness of the code", lambda ply: ply.plies > 1),
+# keys without a place in a deck (`NoPlace`) that act by their default too, and whether a set-up has
+# what they describe: they are told whether or not a scene gives them
+ACT_BY_DEFAULT: dict[str, Callable[[Any], bool]] = {
+    "panel.yarn_failure": lambda ply: ply.yarn_failure,
+    "panel.ply_contact": lambda ply: ply.plies > 1,
 }
-# tables and keys that a deck has no place for, where a scene gives them
-_NO_PLACE = (
-    "history",
-    "accuracy",
-    "numerics",
-    "run.outputs",
-    "run.snapshot_interval",
-    "run.checkpoint_interval",
-)
 
 
 def list_left_out(setup: ImpactSetup, given: Iterable[str] = ()) -> tuple[str, ...]:
-    """List the keys of a scene that a deck leaves out, with what follows from it where it acts.
+    """List the keys of a scene that a deck has no place for, with what follows from it.
 
     Parameters
     ----------
     given : keys that the scene sets to something other than their default (`schema.changed`)
     """
-    found = [f"{key} ({words})" for key, (words, acts) in LEFT_OUT.items() if acts(setup)]
+    follows = without_place(Scene, "export")
+    keys = [key for key, acts in ACT_BY_DEFAULT.items() if acts(setup)]
     for key in given:
-        if any(name in _NO_PLACE for name in with_tables(key)):
-            found.append(key)
-    return tuple(found)
+        if key not in ACT_BY_DEFAULT and any(name in follows for name in with_tables(key)):
+            keys.append(key)
+    return tuple(f"{key} ({follows[key]})" if follows.get(key) else key for key in keys)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from fabrics.base.schema import (
     AsDict,
     AsKeywords,
     FileOnly,
+    NoPlace,
     StandardShot,
     Table,
     Unread,
@@ -259,6 +260,7 @@ class RunTable(Table):
     snapshot_interval: Annotated[
         quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us"),
         Unread(OF_MANY),
+        NoPlace("export"),
     ] = 1e-5
     checkpoint_interval: Annotated[
         quantity(
@@ -269,6 +271,7 @@ class RunTable(Table):
         ),
         FileOnly(),
         Unread(OF_MANY),
+        NoPlace("export"),
     ] = 5e-5
     outputs: Annotated[
         some_of(
@@ -279,6 +282,7 @@ class RunTable(Table):
         ),
         FileOnly(),
         Unread(OF_MANY),
+        NoPlace("export"),
     ] = ("paraview", "pictures", "report")
 
     @model_validator(mode="after")
@@ -368,7 +372,8 @@ class Scene(Table):
         AsDict(),
         Unread("limit v50", NO_HISTORY.format("the shots record")),
         Unread("sweep", NO_HISTORY.format("a sweep records")),
-        Unread("patch export"),
+        Unread("patch"),
+        NoPlace("export"),
     ] = None
     accuracy: Annotated[
         AccuracyTable | None,
@@ -388,6 +393,7 @@ class Scene(Table):
             "left out: solid yarns have numerical parameters of their own, and all models are compared at "
             "their defaults",
         ),
+        NoPlace("export"),
     ] = NumericsTable()
     backing: Annotated[
         BackingTable | None,
