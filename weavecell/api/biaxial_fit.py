@@ -139,7 +139,10 @@ def plan_fit(
     slack = [0.0, 0.0]
     for text in yarn_curve or ():
         known = _with_yarn_curve(known, text, slack)
-    model = CellModel(known, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
+    laws = None
+    if known.laws is None:
+        laws = study.first_laws(known, free)
+    model = CellModel(known, laws, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
     return BiaxialFitPlan(
         model, tests, tuple(fitted or ()), tuple(dict.fromkeys(free)), curves.name_of(path)
     )
@@ -165,6 +168,11 @@ def _with_yarn_curve(fabric, text, slack):
         pairs["E"].append(E)
         pairs["failure_strain"].append(strain)
     return fabric.with_yarns(**pairs)
+
+
+def _pair(values, unit, form):
+    """Numbers of warp and weft as "6.06 / 5.79"."""
+    return display.number(values, unit, form).replace(", ", " / ")
 
 
 @explain_frozen
@@ -331,14 +339,16 @@ class BiaxialFitResult(Result):
 
     def _say_test(self, one):
         """What became of a test."""
-        rms = display.number(one.rms, "N", ".3g").replace(", ", " / ")
-        share = display.number(one.shares, "%", ".2g").replace(", ", " / ")
+        rms = _pair(one.rms, "N", ".3g")
+        share = _pair(one.shares, "%", ".2g")
         text = f"{one.role}, strains {one.ratio}: rms {rms} N, {share} % of the greatest load"
         if one.fitted:
             if one.start:
                 text += f"; begins {100 * one.start:.3g} % too late"
             return text
-        own = display.number(one.rms_at_own_start, "N", ".3g").replace(", ", " / ")
+        if not one.agrees_with_noise:
+            text += f", {_pair(one.missed, '%', '.2g')} % without noise"
+        own = _pair(one.rms_at_own_start, "N", ".3g")
         return f"{text}: {one.verdict}; begun {100 * one.own_start:+.3f} % later {own} N"
 
     def content(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
 
 from weavecell.report.pictures_style import DOUBT, FAINT, INK
 from weavecell.results import finding
@@ -22,6 +23,7 @@ from weavecell.results import finding
 __all__ = [
     "Normalize",
     "StyledFigure",
+    "TitledFigure",
     "cm",
     "complete",
     "drawn",
@@ -93,7 +95,7 @@ def drawn(draw: Callable, *arguments: Any) -> Any:
         return complete(draw, *arguments)
 
 
-def say_doubts(made: Figure) -> None:
+def say_doubts(made: TitledFigure) -> None:
     """Write above a figure what is doubtful of the result that is shown; nothing where nothing is."""
     doubts = finding.shown()
     if not doubts:
@@ -104,7 +106,10 @@ def say_doubts(made: Figure) -> None:
     taller = high + room
     engine = made.get_layout_engine()
     made.set_size_inches(wide, taller)
-    if isinstance(engine, ConstrainedLayoutEngine):
+    if isinstance(engine, ConstrainedLayoutEngine) and made.heading is not None:
+        # it stays at the very top: doubts stand on the empty lines with which it then begins
+        made.heading.set_text("\n" * len(lines) + made.heading.get_text())
+    elif isinstance(engine, ConstrainedLayoutEngine):
         # what the engine lays out ends below the line
         engine.set(rect=(0, 0, 1, high / taller))
     for axes in made.axes if engine is None else ():
@@ -125,7 +130,26 @@ def say_doubts(made: Figure) -> None:
     )
 
 
-class StyledFigure(Figure):
+class TitledFigure(Figure):
+    """A figure that knows the title above all its panels.
+
+    Attributes
+    ----------
+    heading : matplotlib Text that the layout engine keeps at the very top; None without a title, or
+        of one that has a place of its own
+    """
+
+    heading: Text | None = None
+
+    def suptitle(self, t: str, **look: Any) -> Any:
+        """Write a title above all panels, and keep it as the heading unless it gets a place."""
+        made = super().suptitle(t, **look)
+        if "y" not in look:
+            self.heading = made
+        return made
+
+
+class StyledFigure(TitledFigure):
     """A figure that is drawn in the project's look wherever it is drawn, and that a notebook
     shows."""
 

@@ -11,14 +11,13 @@ import pyvista
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.files import replace_whole
 from meshing.inputs import YARNS
 from meshing.mesh import YarnMesh
-from weavecell.report.pictures_figure import say_doubts
+from weavecell.report.pictures_figure import TitledFigure, say_doubts
 from weavecell.report.pictures_mesh import COLOURS, INK, VIEWS, aim, plotter
 
 # distinct to colour-blind readers, and in grey
@@ -44,7 +43,7 @@ def picture(mesh: YarnMesh, path: FilePath) -> None:
     quality = mesh.scaled_jacobian
     step = next((step for step in STEPS if 1 - quality.min() <= BARS * step), STEPS[-1])
     low = min(step * np.floor(quality.min() / step), 1 - 2 * step)
-    figure = Figure(figsize=(16, 7), facecolor="white", layout="constrained")
+    figure = TitledFigure(figsize=(16, 7), facecolor="white", layout="constrained")
     scene, bars = figure.subplots(1, 2, width_ratios=(1.9, 1))
     scene.imshow(_scene(mesh, quality, low))
     scene.set_axis_off()

@@ -24,8 +24,8 @@ variance of the constant, and its degrees of freedom v_f,
 If the residuals are no noise, that is if neighbours are alike, intervals are too narrow, and the
 fit says so.
 
-Tests that were not chosen are predicted. A prediction counts as right if its rms is at most AGREES
-of the greatest load of warp, or weft, in all tests.
+Tests that were not chosen are predicted. A prediction counts as right if its rms, without the noise
+of the loads, is at most AGREES of the greatest load of warp, or weft, in all tests.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ from scipy.stats import t as student
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import CompressionLaw
+from fabrics.fabric import Fabric
 from shellfabric.cell.model import CellModel
 from shellfabric.membrane.indicator import Check, Indicator
 from weavecell.studies.biaxial_tests import DIRECTIONS, BiaxialTest
@@ -53,7 +54,7 @@ CONSTANTS = ("a", "b", "stiffening", "h", "warp crimp", "weft crimp", "start")
 UNITS = {"a": "m", "b": "m N^(1/3)", "stiffening": "1", "h": "m"}
 UNITS |= dict.fromkeys(("warp crimp", "weft crimp"), "%")
 CONFIDENCE = 0.95
-# [-] rms of a prediction over the greatest load: what the thesis calls good agreement is not put in
+# [-] rms of a prediction without noise over the greatest load: what the thesis calls good agreement is not put in
 # numbers; tests of one weave differ by about as much
 AGREES = 0.05
 # [-] half width of an interval over its value, above which the tests do not determine a constant
@@ -77,7 +78,7 @@ LIKENESS = Check(
 PREDICTION = Check(
     "error of prediction",
     AGREES,
-    "rms of the loads of a test that was not fitted over the greatest of all tests",
+    "rms of the loads of a test that was not fitted, without noise, over the greatest of all tests",
     "fit that test too, or state the error",
 )
 # of the start of the fit: a over the heights, F0 over the strength of the weaker yarn
@@ -186,9 +187,29 @@ class Comparison:
         return float(warp), float(weft)
 
     @property
-    def agrees(self) -> bool:
-        """Whether each rms is at most AGREES of the greatest load."""
+    def noise(self) -> tuple[float, float]:
+        """[N] by which loads of warp and weft scatter about a smooth curve: half the mean square by
+        which neighbouring residuals differ is its square (von Neumann 1941, Ann. Math. Stat. 12,
+        367)."""
+        return _rms(np.diff(self.residual, axis=0) / sqrt(2))
+
+    @property
+    def missed(self) -> tuple[float, float]:
+        """[-] what of the rms of warp and weft is no noise, over the greatest load: no law predicts
+        noise."""
+        squares = np.square(self.rms) - np.square(self.noise)
+        warp, weft = np.sqrt(np.maximum(squares, 0.0)) / self.greatest
+        return float(warp), float(weft)
+
+    @property
+    def agrees_with_noise(self) -> bool:
+        """Whether each rms, noise included, is at most AGREES of the greatest load."""
         return float(np.nanmax(self.shares)) <= AGREES
+
+    @property
+    def agrees(self) -> bool:
+        """Whether what is missed, without noise, is at most AGREES of the greatest load."""
+        return float(np.nanmax(self.missed)) <= AGREES
 
     @property
     def verdict(self) -> str:
@@ -252,10 +273,27 @@ class BiaxialFit:
             found.append(WIDEST.judge(widest.spread, meaning))
         found.append(LIKENESS.judge(max(_likeness(one.residual) for one in self.fitted)))
         if self.predicted:
-            worst = max(self.predicted, key=lambda one: np.nanmax(one.shares))
-            meaning = f"rms of the loads of test {worst.name} over the greatest of all tests"
-            found.append(PREDICTION.judge(float(np.nanmax(worst.shares)), meaning))
+            worst = max(self.predicted, key=lambda one: np.nanmax(one.missed))
+            meaning = f"rms of the loads of test {worst.name}, without noise, over the greatest of all tests"
+            found.append(PREDICTION.judge(float(np.nanmax(worst.missed)), meaning))
         return tuple(found)
+
+
+def first_laws(fabric: Fabric, constants: Sequence[str]) -> tuple[CompressionLaw, CompressionLaw]:
+    """Guess the laws of a fabric that has none, for the cell by which a fit of `constants` begins.
+
+    Raises
+    ------
+    InputError : a or b is not fitted, so that the guess would stay
+    """
+    if not {"a", "b"} <= set(constants):
+        allowed = f"with a and b: fabric {fabric.name} has no compression law"
+        raise InputError(key="constants", value=", ".join(constants), allowed=allowed)
+    weave = fabric.weave
+    a = FIRST_A[0] * sum(weave.h0)
+    strength = min(yarn.strength for yarn in weave.yarns)
+    law = CompressionLaw(a, a * (FIRST_F0[-1] * strength) ** (1 / 3))
+    return law, law
 
 
 def fit(
@@ -279,8 +317,7 @@ def fit(
 
     Raises
     ------
-    InputError : an unknown test or constant, a or b alone without a law, or tests that do not
-        depend on a constant
+    InputError : an unknown test or constant, or tests that do not depend on a constant
     """
     names = [test.name for test in tests]
     for name in chosen:
@@ -316,9 +353,6 @@ class _Problem:
         if rows <= self.size:
             line = f"{rows} loads do not determine {self.size} constants"
             raise InputError(line, key="fitted")
-        if model.laws is None and model.fabric.laws is None and not {"a", "b"} <= set(self.names):
-            allowed = f"with a and b: fabric {model.fabric.name} has no compression law"
-            raise InputError(key="constants", value=", ".join(self.names), allowed=allowed)
 
     @property
     def size(self):

@@ -1,10 +1,13 @@
 """`weavecell calibrate --biaxial`: from a file of tests to the law, its folder, and a shot with it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import weavecell as wc
 from fabrics import catalogue
+from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
@@ -68,6 +71,20 @@ def test_from_the_curves_to_a_folder_that_loads_back(succeed, tmp_path):
     assert path.summary()["law"].endswith("law.json")
     keys = (tmp_path / "r" / "fabric-keys.toml").read_text()
     assert f'a = {{ value = "{1e3 * law.a:.4g} mm"' in keys
+
+
+def test_a_fabric_without_a_law_gets_its_first_one(tmp_path):
+    """As an own fabric has none; the law is that of a fit which begins with another."""
+    text = lines(CellModel(CLOTH, (LAW, LAW)), even=(1, 1), across=(0.5, 1))
+    (tmp_path / "tests.csv").write_text(text)
+    bare = replace(CLOTH, laws=None)
+    found = wc.calibrate(bare, biaxial=tmp_path / "tests.csv", out=tmp_path / "r")
+    known = wc.calibrate(CLOTH, biaxial=tmp_path / "tests.csv")
+    for key in ("a", "b"):
+        assert getattr(found.law, key) == pytest.approx(getattr(known.law, key), rel=1e-4)
+    assert found.fabric.laws == (found.law, found.law)
+    with pytest.raises(InputError, match="with a and b: fabric glass-unbalanced has no"):
+        wc.calibrate(bare, biaxial=tmp_path / "tests.csv", constants="a")
 
 
 def test_a_cell_that_shots_do_not_have_is_handed_on_as_a_surface(tmp_path):

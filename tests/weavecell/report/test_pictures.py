@@ -12,8 +12,8 @@ from matplotlib.testing.compare import compare_images
 from PIL import Image
 
 from fabrics import catalogue
-from weavecell.report import pictures, pictures3d
-from weavecell.results import vtk
+from weavecell.report import pictures, pictures3d, pictures_figure
+from weavecell.results import finding, vtk
 
 SEEN = Path(__file__).with_name("pictures")
 T = np.linspace(0, 60e-6, 61)
@@ -96,6 +96,28 @@ def test_a_picture_is_the_one_that_was_seen(name, tmp_path):
         pytest.importorskip("gmsh")
         pytest.importorskip("pyvista")
     assert compare_images(str(SEEN / f"{name}.png"), draw(name, tmp_path), tol=8) is None
+
+
+def test_doubts_stand_above_the_title_and_the_title_above_the_panels():
+    """The engine of layouts would have the title of two panels at the very top, over the doubts."""
+
+    def pair(pyplot):
+        made, panels = pyplot.subplots(1, 2, figsize=(9.0, 3.4))
+        for axes in panels:
+            axes.set(title="a panel", xlabel="strain [%]")
+        made.suptitle("canvas: biaxial tests of a file with a long name")
+        return made
+
+    with finding.showing(["widest interval", "error of prediction"]):
+        made = pictures_figure.drawn(pair)
+    made.canvas.draw()
+    title, doubts = made.texts
+    assert doubts.get_text().startswith("DOUBTFUL: widest interval")
+    above, below = (text.get_window_extent() for text in (doubts, title))
+    # the title is the last of its lines
+    assert title.get_text().count("\n") == 1
+    assert above.y0 > below.y0 + 0.5 * below.height
+    assert below.y0 > max(axes.get_tightbbox().y1 for axes in made.axes)
 
 
 def test_texts_of_a_drawing_are_texts_that_any_reader_has_a_font_for():

@@ -201,6 +201,27 @@ def test_most_of_a_few_intervals_hold_the_truth():
     assert np.mean(widths) < 8 * np.mean(off)
 
 
+def test_noise_is_no_error_of_a_prediction():
+    """Each load is off by 8 % of the greatest: at random it agrees, as a shift of the curve it does not."""
+    strain = np.stack([np.linspace(0, 0.011, 60), np.linspace(0, 0.022, 60)], 1)
+    greatest = np.array([850.0, 80.0])
+    computed = greatest * strain / strain[-1]
+    noise = 0.08 * greatest * np.random.default_rng(11).standard_normal((60, 2))
+    shift = np.full((60, 2), 0.08) * greatest
+    verdicts = {}
+    for name, off in (("noise", noise), ("shift", shift), ("both", noise + shift)):
+        one = biaxial_fit.Comparison(
+            BiaxialTest(name, strain, computed + off), computed, False, greatest
+        )
+        assert not one.agrees_with_noise
+        verdicts[name] = one.verdict, *one.missed
+    assert verdicts["noise"][0] == "agrees"
+    assert max(verdicts["noise"][1:]) < 0.03
+    assert verdicts["shift"] == ("differs", pytest.approx(0.08), pytest.approx(0.08))
+    assert verdicts["both"][0] == "differs"
+    assert verdicts["both"][1:] == pytest.approx([0.08, 0.08], rel=0.2)
+
+
 @pytest.mark.parametrize(
     ("options", "key"),
     [
