@@ -42,7 +42,7 @@ METHOD = "method"
 DEFAULT = "default"
 REFERENCE = "reference"
 # what the study calls the default of the product; coupons and shots have a row of that name
-DEFAULTS = {"crossover": "16 x 12 x 4"}
+DEFAULTS = {"crossover": "8 x 6 x 4"}
 TITLES = {
     "cost-ply-stopped": "One ply of S-720, 92.5 m/s, stops the projectile",
     "cost-ply-perforated": "One ply of S-720, perforated at 160 to 220 m/s",

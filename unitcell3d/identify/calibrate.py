@@ -138,7 +138,7 @@ def calibrate(fabric: Fabric, *, out: FilePath | None = None, **choices: Any) ->
 def calibrate_all(
     fabrics: Sequence[Fabric],
     *,
-    size: Size = "medium",
+    size: Size,
     plates_size: Size = "coarse",
     friction: float = 0.0,
     paths: Mapping[str, Sequence[float]] | None = None,

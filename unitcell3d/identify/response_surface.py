@@ -66,7 +66,7 @@ def sample(
     d2: tuple[float, float] = (0.0, MAX_DISPLACEMENT),
     points: tuple[int, int] = POINTS,
     tolerance: float | None = None,
-    size: Size = "medium",
+    size: Size,
     friction: float = 0.0,
     folder: FilePath | None = None,
     resume: bool = False,

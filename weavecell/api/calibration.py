@@ -57,7 +57,6 @@ if TYPE_CHECKING:
 
 # a fit of the solid takes about so many trials; the progress bar needs a number
 TRIALS = 20
-MESH = "medium"
 SOLID_RUNS = "solid-runs"
 # [-] to which fibre fractions of the mesh and of the fabric are the same
 FRACTIONS_ALIKE = 0.02
@@ -218,7 +217,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
 def calibrate(
     fabric: Fabric | FilePath,
     *,
-    mesh: str | float | tuple[int, int, int] = MESH,
+    mesh: str | float | tuple[int, int, int] = meshes.SOLVED,
     platen_curve: FilePath | None = None,
     fit_solid: bool = False,
     friction: float = 0.0,
@@ -251,7 +250,7 @@ def calibrate(
     ----------
     fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
     mesh : auto, coarse, medium or fine, the numbers of hexahedra along, across and through a
-        quarter yarn, such as 8,6,2, an edge length, or a .msh file that gmsh made of the script of
+        quarter yarn, such as 8,6,4, an edge length, or a .msh file that gmsh made of the script of
         weavecell mesh --format geo
     platen_curve : first fit E_c, V_c and K_r to this platen curve (pressure and thickness); what
         the fabric lacks of its solid law is assumed by fibre family
@@ -303,7 +302,7 @@ def calibrate(
             "friction": friction or None,
             "fibre_fraction": fibre_fraction,
         }
-        if mesh != MESH:
+        if mesh != meshes.SOLVED:
             of_crossover["mesh"] = mesh
         where = f"with {option('biaxial', 'FILE')}, which solves no 3D crossover"
         quantities.refuse_unused(of_crossover, where)

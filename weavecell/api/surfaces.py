@@ -134,7 +134,7 @@ class SurfacePlan(Plan["SurfaceResult"]):
 def surface(
     fabric: Fabric | FilePath,
     *,
-    mesh: str | float | tuple[int, int, int] = "medium",
+    mesh: str | float | tuple[int, int, int] = meshes.SOLVED,
     d1: str | tuple[float, float] = "0 mm .. 0.03 mm",
     d2: str | tuple[float, float] = "0 mm .. 0.03 mm",
     points: int = 21,
