@@ -10,6 +10,7 @@ import logging
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.inputs import Scatter
+    from weavecell.studies.passing_shares import PassingShares
     from weavecell.studies.v50 import Study
 
 
@@ -330,7 +332,14 @@ class V50Result(StudyResult):
         """Return V50 with its interval, the curve's standard deviation, the limit without scatter,
         and V50 of test series."""
         chosen = {"chosen": self.chosen} if self.chosen else {}
-        return chosen | self.study.summary() | self._what_is_assumed()
+        return chosen | self._shares() | self.study.summary() | self._what_is_assumed()
+
+    def _shares(self):
+        """The entries of `passing_shares`; none without."""
+        if self.passing_shares is None:
+            return {}
+        found = self.passing_shares.velocities
+        return {f"passing_{100 * share:.0f}_percent_m_s": V for share, V in found.items()}
 
     def _items(self):
         return self.study.shots
@@ -341,12 +350,29 @@ class V50Result(StudyResult):
             del columns["impact_point_x_m"], columns["impact_point_y_m"]
         return columns
 
+    @cached_property
+    def passing_shares(self) -> PassingShares | None:
+        """Velocities at which 1 in 10, half and 9 in 10 of the shots pass, where friction may not hold the
+        yarns, so that the place decides; None of others, whose limits scatter about one V50."""
+        from weavecell.studies import passing_shares
+
+        shots = self.study.shots
+        # limits of places lie about it, wherever a curve would put V50
+        middle = 0.5 * sum(self.study.deterministic)
+        if not shots or not passing_shares.may_slip(self.target.setup, middle):
+            return None
+        velocities = [shot.velocity for shot in shots]
+        perforated = [shot.perforated for shot in shots]
+        return passing_shares.PassingShares.of_shots(velocities, perforated)
+
     @property
     def headline(self) -> tuple[str, str]:
-        if self.study.curves["probit"].reason:
-            return "V50", "not determined"
         around = self.assumed_range
         covered = brief_words(self.left_out, self.chosen)
+        if self.passing_shares is not None:
+            return "Passing", f"{self.passing_shares.words()} ({covered})"
+        if self.study.curves["probit"].reason:
+            return "V50", "not determined"
         curve = self.study.curves["probit"]
         sampled = f"{curve.span()} by the shots and a prior of their spread, 95 %"
         parts = [sampled, covered]
@@ -386,7 +412,13 @@ class V50Result(StudyResult):
         remarks = [f"{' '.join(self.headline)}."]
         if self.chosen:
             remarks.append(f"{self.chosen[0].upper()}{self.chosen[1:]}.")
-        remarks += [f"{curve.words()}." for curve in study.curves.values()]
+        if self.passing_shares is None:
+            remarks += [f"{curve.words()}." for curve in study.curves.values()]
+        else:
+            remarks.append(
+                "Friction may not hold the yarns, and the limit differs from place to place: no V50 with a spread, but "
+                "shares of shots anywhere in a cell of the weave, at any roll, as fine as the steps between the shots."
+            )
         remarks.append(f"{study.six_shots.words()}.")
         if len(shots) + len(study.failures) <= self.batch:
             remarks.append(
@@ -404,9 +436,10 @@ class V50Result(StudyResult):
             f"{100 * study.summary()['energy_error_max']:.2g} %.",
             f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
-            "V0 and V100 are where 1 % and 99 % perforate.",
         ]
-        if not study.curves["probit"].reason:
+        if self.passing_shares is None:
+            remarks.append("V0 and V100 are where 1 % and 99 % perforate.")
+        if self.passing_shares is None and not study.curves["probit"].reason:
             remarks.append(study.series.words())
             remarks += regression_line.remarks(self.target.setup, self.v50)
         remarks += [f"Without an outcome: {failure}." for failure in study.failures]
@@ -472,6 +505,7 @@ class V50Result(StudyResult):
             numbers = {"name": name, "value": entry.value}
             given.append(numbers | {"source": entry.source, "status": entry.status})
         content = {
+            **self._shares(),
             **study.summary(),
             "plies": self.target.setup.plies,
             "projectile": self.target.projectile,
