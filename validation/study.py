@@ -5,7 +5,8 @@ A file NAME.toml has
     question    what the study answers
     run         function of validation/cases that computes a case, as "module.function"
     like        another study, whose entries are those that this file does not have
-    [base]      keywords of the function; those of a shot are the keys of the input file (`weavecell.setup`)
+    [base]      keywords of the function; those of a shot are the keys of the input file (`weavecell.setup`). A nose to
+                which they give no friction has none, but for `nose_friction = "assumed"` (`validation.cases.noses`)
     [each]      what is varied, in all combinations: lists of values, tables {label: changes of the keywords}, or lists
                 of lists under a heading of several keys, "fabric, plies, velocity"
     [[case]]    groups of cases with a `name`, changes `set`, `each` and `quantities` of their own. {key} in a text

@@ -164,7 +164,7 @@ def _fabric(file, data, sources, path):
             "status": length.status,
         }
     names = ("crimp",) * computed + ("failure_length",) * (own_length is None)
-    # the fabrics of the thesis are plain weaves, and shot as in the thesis
+    # a fabric of the thesis is a plain weave, as strong as before weaving and without friction between plies
     if path.parent != _FOLDER:
         names += ("weave",) * (file.weave is None)
         names += data_sheet.OF_SHOTS

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics import data_sheet, metals
+from fabrics import metals
 from fabrics.base import sums
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
@@ -40,7 +40,6 @@ from shellfabric.projectile.solid import Solid
 from shellfabric.projectile.turned import Turned
 from shellfabric.state import Nose, Profile
 
-FRICTION = data_sheet.entries()[data_sheet.FRICTION_OF_PROJECTILE]
 BODIES = ("rigid", "elastic_bar", "metal")
 WIDEST = 2.5  # times its radius at rest a body of metal may become; beyond, a run stops
 OUTLINE = 12  # segments in the radius of a rigid ogive's outline
@@ -67,7 +66,8 @@ class Projectile(NoseNumbers, BodyNumbers):
     solid : Solid of the shape "stl"; its radius and length are the projectile's, its edges have the
         edge radius
     obliquity, azimuth, yaw, roll : [rad], see above; the axis may lean by 75 degrees at most
-    friction : Coulomb's coefficient between projectile and fabric; none in the thesis
+    friction : Coulomb's coefficient between projectile and fabric; that of the thesis is 0. A scene
+        that gives none has an assumed one (`weavecell.scenes.build.make_projectile`)
     body : "rigid", "elastic_bar", "metal", or the Bar itself, of this mass. "elastic_bar" is a flat
         cylinder of steel (thesis Table 4-2), bored from its tail to its mass (erratum E-37), as long
         as that of the thesis where no length is given
@@ -97,7 +97,7 @@ class Projectile(NoseNumbers, BodyNumbers):
     azimuth: float = 0.0
     yaw: float = 0.0
     roll: float = 0.0
-    friction: float = Assumed(0.0, FRICTION.low, FRICTION.high)
+    friction: float = 0.0
     body: str | Bar = "rigid"
 
     def __post_init__(self):

@@ -25,6 +25,7 @@ from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import PlyContact
 from shellfabric.projectile.bar import Bar
+from validation.cases import noses
 from validation.models import variants
 from validation.models.ply_crossings import plies_cross
 from validation.values import Values, flags, rms
@@ -124,6 +125,7 @@ def setup(
     unchecked: Values | None = None,
     contact: Values | None = None,
     pinned_zone: bool = False,
+    nose_friction: float | str = noses.THESIS,
     **keywords: Any,
 ) -> ImpactSetup:
     """Build the set-up of a shot.
@@ -139,6 +141,7 @@ def setup(
     unchecked : fields of Numerics, which are not checked
     contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
     pinned_zone : whether the crossings of resolved yarns are pinned: their friction is infinite
+    nose_friction : [-] where `projectile` gives none, or "assumed" (`noses`)
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
     """
     struck: Any = fabric
@@ -153,6 +156,7 @@ def setup(
     keywords["numerics"] = {"threads": 1} | keywords.get("numerics", {})
     with warnings.catch_warnings(action="ignore"):  # notes of openings that follow yarns
         made = replace(wc.setup(struck, velocity, **keywords), **own)
+    made = noses.with_friction(made, nose_friction)
     if bar_of is not None:
         body = as_bar(made.projectile, metals.load(bar_of), made.strike_velocity)
         made = replace(made, projectile=replace(made.projectile, body=body))

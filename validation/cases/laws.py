@@ -16,7 +16,9 @@ from shellfabric.cell.model import CellTable
 from shellfabric.cell.surface_cell import potential
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
+from validation.cases import noses
 from validation.values import Values
+from weavecell.api.keywords import Keywords
 from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.decks.mismatch import Mismatch
@@ -30,7 +32,12 @@ TABLE_OF_INDICES = 101
 
 
 def assumed(
-    *, fabric: str, mesh: str = "coarse", multiple: float = 1.3, tolerance: float = 0.5
+    *,
+    fabric: str,
+    mesh: str = "coarse",
+    multiple: float = 1.3,
+    tolerance: float = 0.5,
+    nose_friction: float | str = noses.THESIS,
 ) -> Values:
     """Treat a fabric of the catalogue as one of which only the data sheet is known, beside its
     published laws.
@@ -43,6 +50,7 @@ def assumed(
     mesh : of the 3D crossover
     multiple : of the critical velocity with the published laws, at which residual velocities are compared
     tolerance : [m/s] between a stop and a perforation
+    nose_friction : [-], or "assumed" (`noses`)
 
     Returns
     -------
@@ -52,18 +60,25 @@ def assumed(
     """
     own = wc.fabric(fabric)
     search: Values = {"tolerance": tolerance, "residual_shots": 0, "scan": False}
-    critical = wc.critical_velocity(own, **search).critical_velocity
+
+    def strike_at(struck: Any, velocity: float, **law: Any) -> ImpactSetup:
+        return noses.with_friction(wc.setup(struck, velocity, **law), nose_friction)
+
+    critical = wc.critical_velocity(strike_at(own, 100.0), **search).critical_velocity
     found = wc.calibrate(replace(own, laws=None, shear=None, solid_laws=None), mesh=mesh)
     assert isinstance(found, wc.CalibrationResult)
     bare = replace(found.fabric, laws=None)
     strike = multiple * critical
     ranges = {
         "critical": wc.critical_velocity(
-            bare, law=found.law, assumed_range=True, **search
+            strike_at(bare, 100.0, law=found.law), assumed_range=True, **search
         ).assumed_range,
-        "residual": wc.impact(bare, strike, law=found.law, assumed_range=True).assumed_range,
+        "residual": wc.impact(
+            strike_at(bare, strike, law=found.law), assumed_range=True
+        ).assumed_range,
     }
-    published = {"critical": critical, "residual": wc.impact(own, strike).residual_velocity}
+    residual = wc.impact(strike_at(own, strike)).residual_velocity
+    published = {"critical": critical, "residual": residual}
     ends = found.law.assumed_range or ()
     summary: Values = {"strike": strike, "a": found.law.a, "b": found.law.b}
     summary |= {"a_range": [a for a, _ in ends], "b_range": [b for _, b in ends]}
@@ -84,7 +99,9 @@ def assumed(
 def v50(**options: Any) -> Values:
     """Return the summary of `weavecell.v50`, with the values and intervals of each curve as "LINK
     QUANTITY"."""
-    found = wc.v50(options.pop("fabric"), **options)
+    of_shot = {key: options.pop(key) for key in [*options] if key in Keywords.__annotations__}
+    setup = noses.with_friction(wc.setup(options.pop("fabric"), "100 m/s", **of_shot))
+    found = wc.v50(setup, **options)
     curves = {
         f"{link}_{name}": (getattr(curve, name), *curve.intervals[name])
         for link, curve in found.study.curves.items()
@@ -115,7 +132,8 @@ def sobol(*, fabric: str, samples: int, **options: Any) -> Values:
     factors = sample(problem, samples, calc_second_order=False, seed=1)
     indices = {}
     for velocity in (92.5, 170.0):
-        setup = replace(wc.setup(fabric, velocity, **options), table_size=TABLE_OF_INDICES)
+        setup = noses.with_friction(wc.setup(fabric, velocity, **options))
+        setup = replace(setup, table_size=TABLE_OF_INDICES)
         shots = [inputs.scale_setup(setup, **dict(zip(ranges, row))) for row in factors]
         found = np.array([_velocity_and_tension(shot) for shot in shots])
         for quantity, values in zip(("velocity", "peak tension"), found.T):
@@ -166,6 +184,7 @@ def _cell(fabric: str, velocity: float, cell: Any) -> tuple[ImpactSetup, CellTab
         end_time=200e-6,
         yarn_failure=False,
     )
+    setup = noses.with_friction(setup)
     return setup, setup.table()
 
 

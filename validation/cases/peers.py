@@ -12,6 +12,7 @@ import numpy as np
 
 import weavecell as wc
 from shellfabric.impact.run import run_impact
+from validation.cases import noses
 from validation.cases.laws import card_table, law_of_card
 from validation.models.cable.net import CableNet
 from validation.values import Values
@@ -52,6 +53,7 @@ def struck(
     own = {name: scene.pop(name) for name in NOT_IN_A_FILE if name in scene}
     scene["numerics"] = {"threads": 1} | scene.get("numerics", {})
     setup = replace(wc.setup(fabric, velocity, yarn_failure=False, **scene), **own)
+    setup = noses.with_friction(setup)
     began = time.process_time()
     if model == "cable":
         history = CableNet(replace(setup, elements_per_crossover=1)).run().step_history

@@ -46,7 +46,8 @@ from validation.values import Values
 from weavecell.studies import ballistic_limit
 from weavecell.studies.small_patch import StepClock
 
-PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3}  # of the thesis
+# of the thesis
+PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3, "friction": 0.0}
 HISTORY = {"interval": 1e-6, "warp": [0.0], "weft": [0.0]}
 SIZE = "coarse"  # mesh of a quarter crossover
 ROWS = 30  # of the loading of a pack of crossovers, and of its unloading

@@ -415,7 +415,8 @@ def _assumptions(plain, whole):
     of_fabric = assumed.shot_entries(whole)
     of_fabric["failure_length"] = data_sheet.failure_length(whole.weave)
     for name, entry in of_fabric.items():
-        if name in whole.assumed:
+        # that on the nose is of the input file, whatever the fabric
+        if name in whole.assumed or name == data_sheet.FRICTION_OF_PROJECTILE:
             rows.append((name, entry.written, entry.source))
     added = {key: entry for key, entry in whole.sources.items() if key not in plain.sources}
     rows += [(key, entry["value"], entry["source"]) for key, entry in added.items()]

@@ -167,7 +167,7 @@ def material(
         entry = assumed.shot_entries(fabric)[data_sheet.STRENGTH_AFTER_WEAVING]
         damage = WeavingDamage(strength=entry.value, source=entry.source, status=entry.status)
         fabric = fabric.with_weaving_damage(damage)
-    fabric = _drop_given_frictions(fabric, getattr(scene, "projectile", None), panel)
+    fabric = _mark_frictions(fabric, getattr(scene, "projectile", None), panel)
     fabric = _add_trellis_law(fabric, getattr(scene, "trellis_law", "needed"), file)
     # a response surface stands in place of the compression law
     if table.surface is not None:
@@ -231,10 +231,14 @@ def _fabric(table, key, file):
     return with_linear_density(fabric, table.linear_density)
 
 
-def _drop_given_frictions(fabric, shot, panel):
-    """The fabric without assumed frictions of which the input file gives a value or has no contact."""
+def _mark_frictions(fabric, shot, panel):
+    """The fabric with the friction on the nose among what is assumed, unless the input file gives it
+    or has no shot; without that between plies where it is given or there is one ply."""
+    nose = data_sheet.FRICTION_OF_PROJECTILE
     if shot is None or shot.friction is not None:
-        fabric = assumed.given(fabric, data_sheet.FRICTION_OF_PROJECTILE)
+        fabric = assumed.given(fabric, nose)
+    elif nose not in fabric.assumed:
+        fabric = replace(fabric, assumed=(*fabric.assumed, nose))
     if panel is None or panel.plies == 1 or panel.ply_friction is not None:
         fabric = assumed.given(fabric, data_sheet.FRICTION_BETWEEN_PLIES)
     return fabric
@@ -420,6 +424,7 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
     # a key reaches the solver under its own name, unless it is an object of several keys
     of_setup = {field.name for field in fields(ShortSetup)}
     given: dict[str, Any] = {}
+    fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
     for table in (scene.fabric, panel, scene.run):
         given |= {key: value for key, value in _collect_given(table).items() if key in of_setup}
     try:
@@ -430,7 +435,7 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
             "surface": case.surface,
             "lay_up": case.lay_up,
             "strike_velocity": scene.projectile.strike_velocity,
-            "projectile": _projectile(scene.projectile, case.fabric),
+            "projectile": make_projectile(scene.projectile, *fabrics),
             "boundary": _boundary(panel.boundary),
             "round": panel.opening_shape == "round",
             "backing": _backing(scene.backing),
@@ -442,7 +447,6 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
             entries = assumed.shot_entries(case.fabric)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].number
-        fabrics = [case.fabric, *(ply.fabric for ply in case.lay_up or ())]
         if "symmetry" not in panel.model_fields_set:
             given["symmetry"] = _modelled_part(panel, given["projectile"], fabrics)
         zone = _build_yarn_zone(panel, fabrics)
@@ -519,28 +523,20 @@ def _build_yarn_zone(table, fabrics):
     return YarnZone(**{field: value for field, value in given.items() if value is not None})
 
 
-def _projectile(table, fabric):
-    """The Projectile of a table, with the friction that is assumed of the fabric."""
-    given = {}
-    if data_sheet.FRICTION_OF_PROJECTILE in fabric.assumed:
-        entries = assumed.shot_entries(fabric)
-        given["friction"] = entries[data_sheet.FRICTION_OF_PROJECTILE].number
-    return make_projectile(table, **given)
-
-
-def make_projectile(table: ProjectileTable, **changes: Any) -> Projectile:
-    """Make the projectile of a table [projectile].
+def make_projectile(table: ProjectileTable, *fabrics: Fabric) -> Projectile:
+    """Make the projectile of a table [projectile]; a friction that it does not give is assumed.
 
     Parameters
     ----------
-    changes : fields of the projectile in place of those of the table
+    fabrics : that it strikes, the first one first; none takes the friction of most fibres
     """
     from shellfabric.projectile.projectile import Projectile
 
     given = _collect_given(
         table, "name", "diameter", "strike_velocity", "stl", "stl_unit", "density"
     )
-    given |= changes
+    if table.friction is None:
+        given["friction"] = assumed.shot_entries(*fabrics)[data_sheet.FRICTION_OF_PROJECTILE].number
     # a body of any shape has its radius and length from its surface
     if not SHAPES[table.shape].from_file:
         return Projectile(radius=table.diameter / 2, **given)

@@ -134,7 +134,7 @@ class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # 
         "rotation about the axis of a chisel or a body of an STL file", -360, 360, "45 deg"
     ) = 0.0
     friction: number(
-        "Coulomb coefficient between projectile and fabric; if not given 0 of a fabric of the catalogue, else assumed",
+        "Coulomb coefficient between projectile and fabric; assumed by fibre family if not given",
         0.2,
         ge=0.0,
         le=2.0,

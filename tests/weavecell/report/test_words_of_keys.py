@@ -138,7 +138,7 @@ def test_a_shot_that_leans_says_how_it_flies():
     told = dict(chapters_shot.assumptions(setup, ()).tables[0].rows)["projectile"]
     assert told == (
         "Rigid. It flies at 20° to the normal, towards 30° from the warp. Its axis leans 5° from its flight. It is "
-        "turned by 10° about its axis. It keeps this attitude: nothing turns it. No friction on the fabric, assumed "
+        "turned by 10° about its axis. It keeps this attitude: nothing turns it. Friction on the fabric 0.1, assumed "
         "0 to 0.2."
     )
 

@@ -1,9 +1,13 @@
 """A key that is given alone takes away the assumption that it stands for, and no other; what would change nothing, or a
 run in which nothing happens, is refused."""
 
+from dataclasses import replace
+
 import pytest
 
 import weavecell as wc
+from fabrics import assumed, data_sheet
+from fabrics.base.assumed_number import is_assumed
 from fabrics.base.errors import InputError
 from tests.scene_text import merged
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
@@ -125,3 +129,69 @@ def test_an_end_before_or_long_after_the_wave_is_at_the_edge_is_told_and_run(tim
     notes = [note for note in made.notes if "run.end_time" in note]
     assert bool(notes) == bool(told)
     assert all(told in note for note in notes)
+
+
+NOSES = ["FSP 1.10 g", "sphere 12 mm", "9 mm FMJ 8.0 g", None]
+# a fabric of the catalogue, an own one of its fibre, and an own one of a fibre with a friction of its own
+CLOTHS = {"S-731": 0.1, "glass-balanced": 0.1, "mine": 0.1, "carbon": 0.2}
+
+
+@pytest.fixture(scope="module")
+def cloths():
+    """Load them; what has no law takes that of another, which no set-up reads here."""
+    mine = wc.fabric(ROOT / "examples/fabrics/mine.toml")
+    law = wc.fabric("S-720").laws
+    own = {"mine": mine, "carbon": mine.with_yarns(E=230e9, fibre_density=1760.0)}
+    loaded = {name: own.get(name) or wc.fabric(name) for name in CLOTHS}
+    return {name: replace(cloth, laws=cloth.laws or law) for name, cloth in loaded.items()}
+
+
+@pytest.mark.parametrize("nose", NOSES)
+@pytest.mark.parametrize("cloth", CLOTHS)
+@pytest.mark.parametrize("plies", [1, 3])
+def test_no_nose_is_without_friction_unless_it_is_given(nose, cloth, plies, cloths):
+    """And each says what is assumed: the assumptions of the report, the lines of `--check` and of a result."""
+    options = {"plies": plies, "opening": "60 mm"}
+    if nose is not None:
+        options["projectile"] = nose
+    made = wc.setup(cloths[cloth], 210.0, **options)
+    friction = made.projectile.friction
+    low, high = friction.span
+    assert friction == CLOTHS[cloth]
+    assert low == 0 < friction < high
+    assert made.projectile.assumptions[-1] == (
+        f"Friction on the fabric {friction:g}, assumed 0 to {high:g}."
+    )
+    told = f"assumed: friction of the projectile {friction:g} (0.0 .. "
+    assert [line for line in assumed.lines(made.fabric) if line.startswith(told)]
+    given = wc.setup(cloths[cloth], 210.0, **options | {"projectile": of_given(nose, 0.0)})
+    assert given.projectile.friction == 0.0
+    assert not is_assumed(given.projectile.friction)
+    assert not any("friction of the projectile" in line for line in assumed.lines(given.fabric))
+
+
+def of_given(nose, friction):
+    """Return a projectile, by its name or the standard one, with a friction that is given."""
+    if nose is None:
+        return {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "friction": friction}
+    return {"name": nose, "friction": friction}
+
+
+def test_a_hybrid_pack_assumes_the_friction_of_what_is_struck_in_the_range_of_all(cloths):
+    """0.1 of aramid, which is struck, up to 0.4 of carbon behind it."""
+    shot = check(SHOT, None, "shot").projectile
+    first = build.make_projectile(shot, cloths["mine"], cloths["carbon"])
+    other = build.make_projectile(shot, cloths["carbon"], cloths["mine"])
+    assert (first.friction, *first.friction.span) == (0.1, 0.0, 0.4)
+    assert (other.friction, *other.friction.span) == (0.2, 0.0, 0.4)
+
+
+def test_a_fabric_of_another_shot_is_marked_by_the_shot_that_it_is_in(cloths):
+    """Given, and then not given, and given again: a fabric is taken from one set-up to the next."""
+    given = {"projectile": of_given(None, 0.17)}
+    first = wc.setup(cloths["S-731"], 90.0, **given)
+    second = wc.setup(first.fabric, 90.0)
+    third = wc.setup(second.fabric, 90.0, **given)
+    name = data_sheet.FRICTION_OF_PROJECTILE
+    assert [name in each.fabric.assumed for each in (first, second, third)] == [False, True, False]
+    assert [float(each.projectile.friction) for each in (first, second, third)] == [0.17, 0.1, 0.17]

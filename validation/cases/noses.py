@@ -1,0 +1,27 @@
+"""The friction on the nose of a study's shots.
+
+That of the thesis has none, and a study of meshes, models or costs compares shots with each other. A study that is held
+against tests of others has `nose_friction = "assumed"` in its file: what users get who give none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from fabrics.base.assumed_number import is_assumed
+
+if TYPE_CHECKING:
+    from shellfabric.impact.setup import ImpactSetup
+
+THESIS = 0.0
+ASSUMED = "assumed"
+
+
+def with_friction(setup: ImpactSetup, friction: float | str = THESIS) -> ImpactSetup:
+    """Return the set-up with a friction [-] on the nose, unless its keywords give one; ASSUMED
+    leaves it as it is."""
+    nose = setup.projectile
+    if friction == ASSUMED or not is_assumed(nose.friction):
+        return setup
+    return replace(setup, projectile=replace(nose, friction=friction))
