@@ -186,6 +186,9 @@ def numbers(result, name=""):
             if key not in NUMBERS["skipped"]
         )
         return {key: value for part in parts for key, value in part.items()}
+    # doubts of a shot are several texts
+    if isinstance(result, tuple) and any(isinstance(part, str) for part in result):
+        result = ", ".join(result)
     if isinstance(result, str):
         return {name: result}
     if not isinstance(result, int | float | np.ndarray | tuple):
