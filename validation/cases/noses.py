@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fabrics.base.assumed_number import is_assumed
+from fabrics.base.errors import InputError
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -20,8 +21,17 @@ ASSUMED = "assumed"
 
 def with_friction(setup: ImpactSetup, friction: float | str = THESIS) -> ImpactSetup:
     """Return the set-up with a friction [-] on the nose, unless its keywords give one; ASSUMED
-    leaves it as it is."""
+    leaves it as it is.
+
+    Raises
+    ------
+    InputError : another word
+    """
     nose = setup.projectile
-    if friction == ASSUMED or not is_assumed(nose.friction):
+    if isinstance(friction, str):
+        if friction != ASSUMED:
+            raise InputError(key="nose_friction", value=friction, allowed=f"a number, or {ASSUMED}")
+        return setup
+    if not is_assumed(nose.friction):
         return setup
     return replace(setup, projectile=replace(nose, friction=friction))
