@@ -29,16 +29,17 @@ An input file is a [TOML](https://toml.io) file. A quantity is a string with a u
 a wrong key or value is refused in one line. The same keys are keywords in Python. Editors complete and
 check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.json`, which lie beside this page.
 
-Each entry has the allowed values, the SI unit of the default, and the default. "Default: none": the key may be left
-out; its text then says what holds. **Commands** says who uses the key: *impact* is `weavecell impact`, *limits* are
-`weavecell critical-velocity` and `v50`, *export* and *coupon* are the commands of these names; `sweep`,
-`compare` and `reduce tests` use keys as the command that they repeat."""
-# command: what it reads a scene for
+Each entry has the allowed values, the SI unit of the default, and the default; a key without one may be left out, and
+its text then says what holds. All commands that take the file use a key, unless it says by which it is **refused**, or
+**ignored** since it means nothing to them: *impact* is `weavecell impact`, *limits* are `weavecell critical-velocity`
+and `v50`, *export* and *coupon* are the commands of these names; `sweep`, `compare` and `reduce tests` use keys as the
+command that they repeat."""
 HEAD_OF_RESULTS = """# Result files
 
 Made from the code. A `*` stands for a name or number that the run gives. The table of a result is its CSV file and its
 `to_dataframe()`, with the same columns; `wc.load(folder)` has it again to the last digit. [Files](files.md) says which
 command writes which."""
+# command: what it reads a scene for
 COMMANDS = {"impact": "shot", "limits": "limit", "export": "export", "coupon": "coupon"}
 RESULTS = {
     "summary.json of all runs": keys.SHARED,
@@ -99,27 +100,27 @@ def _tables(model, *left_out):
     for name, table in tables(model).items():
         if (name.partition(".")[0] or "title") in left_out:
             continue
-        yield f"### Table [{name}]" if name else "### Before the tables"
-        yield (
-            f"As [{shown[table]}]."
-            if table in shown
-            else "{}\n\n```toml\n{}\n```".format(*about(table))
-        )
-        shown.setdefault(table, name)
+        heading = "### Before the tables"
+        if name:
+            heading = f"### Table [{name}]"
+        yield heading
+        if table in shown:
+            yield f"Its keys are those of [{shown[table]}]."
+            continue
+        shown[table] = name
+        yield "{}\n\n```toml\n{}\n```".format(*about(table))
         for key, entry in keys.items():
             if key.rpartition(".")[0] != name:
                 continue
-            parts = {"Allowed": entry.description, "Unit": unit_of(entry) or "1"}
-            parts |= {
-                "Default": defaults.get(key) or _default(entry),
-                "Commands": _commands(key, model),
-            }
+            parts = {"Allowed": entry.description}
+            if unit_of(entry) not in (None, "1"):
+                parts["Unit"] = unit_of(entry)
+            default = defaults.get(key) or _default(entry)
+            if default is not None:
+                parts["Default"] = default
+            parts |= _exceptions(key, model)
             yield f"#### {key}\n\n{entry.title[0].upper()}{entry.title[1:]}."
-            yield " ".join(
-                f"*{name}:* {text}."
-                for name, text in parts.items()
-                if (name, text) != ("Unit", "1")
-            )
+            yield " ".join(f"*{part}:* {text}." for part, text in parts.items())
 
 
 def about(table: type[Table]) -> list[str]:
@@ -128,19 +129,20 @@ def about(table: type[Table]) -> list[str]:
     return inspect.cleandoc(table.__doc__ or "").split("\n\n", 1)
 
 
-def _commands(key, model):
-    """Who uses a key, ignores it and refuses it; keys of [fabric] are also those of coupons."""
+def _exceptions(key, model):
+    """{"Ignored by", "Refused by": commands} of a key; those of [fabric] are also keys of coupons."""
     both = key.startswith("fabric.")
-    names = [name for name in COMMANDS if both or (name == "coupon") == (model is CouponScene)]
-    use: dict[str, list[str]] = {"used": [], "ignored": [], "refused": []}
-    for name in names:
-        words = unread(model, COMMANDS[name])
+    found: dict[str, list[str]] = {"Ignored by": [], "Refused by": []}
+    for name, reader in COMMANDS.items():
+        if not both and (name == "coupon") != (model is CouponScene):
+            continue
+        words = unread(model, reader)
         stands = [words[part] for part in with_tables(key) if part in words]
-        use["refused" if any(stands) else "ignored" if stands else "used"].append(name)
-    used = use.pop("used")
-    parts = ["all" if len(used) == len(names) > 1 else ", ".join(used) or "none"]
-    parts += [f"{verb} by {', '.join(each)}" for verb, each in use.items() if each]
-    return "; ".join(parts)
+        if any(stands):
+            found["Refused by"].append(name)
+        elif stands:
+            found["Ignored by"].append(name)
+    return {verb: ", ".join(names) for verb, names in found.items() if names}
 
 
 def _default(entry):
@@ -149,7 +151,11 @@ def _default(entry):
     value = entry.get_default(call_default_factory=True)
     if value is False and entry.json_schema_extra:
         return "0"
-    return "none" if value is None else '""' if value == "" else _text(value)
+    if value is None:
+        return None
+    if value == "":
+        return '""'
+    return _text(value)
 
 
 def _text(value):
