@@ -13,7 +13,7 @@ from fabrics.fabric import Fabric
 from fabrics.weave import Weave
 from meshing import inputs
 from meshing.inputs import TIP_THICKNESS_RATIO, Size
-from meshing.section_fit import SectionFit, fit_sections, least_that_fits
+from meshing.section_fit import SectionFit, fit_sections, least_that_fits, leaves_room
 
 
 @dataclass(frozen=True)
@@ -103,10 +103,13 @@ def with_room(fabric: Fabric) -> Fabric:
 
     def fits(factor):
         try:
-            Plan.of(assumed.of_thickness(fabric, factor), size="coarse", shift=True)
+            made = assumed.of_thickness(fabric, factor)
+            made.weave.require_plain("solid yarns and the 3D crossover")
+            widths = inputs.widths(made, 0.0, None)
+            fractions = inputs.fractions(made)
         except InputError:
             return False
-        return True
+        return leaves_room(made.section, widths, fractions, made.weave, TIP_THICKNESS_RATIO)
 
     low = 1.0
     high = entries()["thickness"].high

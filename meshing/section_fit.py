@@ -28,6 +28,7 @@ their sag, of order two in the mesh size.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, pi
 
@@ -157,17 +158,31 @@ def fit_sections(
     elif refused:
         kinds = SECTIONS[:1]
     request = _Request(widths, fractions, tip_thickness_ratio, prescribed, refused, shift)
-
-    def fit(weave):
-        return request.first_that_fits(kinds, weave)
-
     try:
-        return fit(weave)
+        return request.first_that_fits(kinds, weave)
     except _TooDense as problem:
         line = str(problem)
         if not prescribed:
-            line = f"{problem}: {_advice(fit, weave)}"
+            line = f"{problem}: {_advice(request, kinds, weave)}"
         raise InputError(line) from None
+
+
+def leaves_room(
+    kind: str | None,
+    widths: Sequence[float],
+    fractions: Sequence[float],
+    weave: Weave,
+    tip_thickness_ratio: float,
+) -> bool:
+    """Say whether `fit_sections` finds sections, without prescribed widths and with a shift.
+
+    It takes a small part of the time: neither the least change nor advice is searched for.
+    """
+    kinds: tuple[str, ...] = SECTIONS
+    if kind:
+        kinds = (kind,)
+    request = _Request(widths, fractions, tip_thickness_ratio, False, False, True)
+    return request.has_room(kinds, weave)
 
 
 @dataclass(frozen=True)
@@ -196,16 +211,48 @@ class _Request:
             f"even at the closest packing of the fibres (Vf0 = {CLOSEST_PACKING:.3f})"
         )
 
+    def has_room(self, kinds, weave):
+        """Whether one of the kinds of section fits."""
+        for kind in kinds:
+            with suppress(InputError):
+                if self._has_room(kind, weave):
+                    return True
+        return False
+
+    def _has_room(self, kind, weave):
+        """Whether one kind of section fits as requested, or at the closest packing of the fibres."""
+        if kind == CONFORMING:
+            self._conforming(weave)
+            return True
+        requested, crossing = self._requested(kind, weave)
+        if _overlap(requested, crossing) <= self._free(weave):
+            return True
+        if self.refused:
+            return False
+        densest = _densified(
+            requested, crossing, self.fractions, self.prescribed, _highest(self.fractions)
+        )
+        return _overlap(densest, crossing) <= 0
+
+    def _requested(self, kind, weave):
+        """The sections as they are requested, and of each yarn the arch over it."""
+        areas = _areas(weave, self.fractions)
+        crossing = list(zip(weave.w, weave.h0))[::-1]
+        return _sections(kind, self.widths, areas, self.tip_thickness_ratio), crossing
+
+    def _free(self, weave):
+        """The overlap [m] that a shift may remove."""
+        if self.shift:
+            return sum(weave.h0) * SHIFT_LIMIT
+        return 0.0
+
     def fit(self, kind, weave):
         """The SectionFit of one kind of section."""
-        areas = _areas(weave, self.fractions)
         if kind == CONFORMING:
-            return self._conforming(areas, weave)
-        # of each yarn, the arch over it
-        crossing = list(zip(weave.w, weave.h0))[::-1]
-        requested = _sections(kind, self.widths, areas, self.tip_thickness_ratio)
+            return self._conforming(weave)
+        requested, crossing = self._requested(kind, weave)
         first = _overlap(requested, crossing)
-        free = sum(weave.h0) * SHIFT_LIMIT if self.shift else 0.0
+        free = self._free(weave)
         sections = requested
         Vf0 = tuple(map(float, self.fractions))
         if first > free:
@@ -229,7 +276,8 @@ class _Request:
             "narrow them, or let the overlap be solved"
         )
 
-    def _conforming(self, areas, weave):
+    def _conforming(self, weave):
+        areas = _areas(weave, self.fractions)
         sections = conform(self.widths, areas, weave, self.tip_thickness_ratio)
         Vf0 = tuple(
             float(old * area / section.area)
@@ -243,7 +291,7 @@ class _Request:
         return SectionFit(sections, 0.0, 0.0, Vf0, sections)
 
 
-def _advice(fit, weave):
+def _advice(request, kinds, weave):
     """What to change where no section fits: the least crimp of the same ratio of heights, and the
     least thickness."""
 
@@ -253,7 +301,9 @@ def _advice(fit, weave):
     def of_thickness(factor):
         return crimps(weave.w, factor * weave.thickness)
 
-    same, computed = (_least(fit, weave, crimp_at) for crimp_at in (scaled, of_thickness))
+    same, computed = (
+        _least(request, kinds, weave, crimp_at) for crimp_at in (scaled, of_thickness)
+    )
     if same is None or computed is None:
         return "no crimp of this ratio leaves room: check linear density, fibre_density and counts"
     wanted = " and ".join(
@@ -266,7 +316,7 @@ def _advice(fit, weave):
     )
 
 
-def _least(fit, weave, crimp_at):
+def _least(request, kinds, weave, crimp_at):
     """The Weave of the least factor from which `crimp_at` makes crimps that fit; None where there
     is none."""
 
@@ -278,10 +328,10 @@ def _least(fit, weave, crimp_at):
 
     def fits(factor):
         try:
-            fit(at(factor))
+            made = at(factor)
         except InputError:
             return False
-        return True
+        return request.has_room(kinds, made)
 
     low = 0.5
     high = 1.0
@@ -358,6 +408,22 @@ def _denser(fractions, factor):
     return tuple(max(Vf0, min(Vf0 * factor, CLOSEST_PACKING)) for Vf0 in map(float, fractions))
 
 
+def _highest(fractions):
+    """The factor on the fibre fractions from which on both are at the closest packing."""
+    return max(1.0, CLOSEST_PACKING / min(fractions))
+
+
+def _densified(requested, crossing, fractions, prescribed, factor):
+    """The sections of fibre fractions that are `factor` higher, with the best widths if none is prescribed."""
+    sections = tuple(
+        _resized(s, s.width, s.area * old / new)
+        for s, old, new in zip(requested, fractions, _denser(fractions, factor))
+    )
+    if prescribed:
+        return sections
+    return tuple(map(_best, sections, crossing))
+
+
 def _densify(requested, crossing, fractions, prescribed):
     """Sections, and the least common factor on the fibre fractions, that leave no overlap.
 
@@ -367,15 +433,9 @@ def _densify(requested, crossing, fractions, prescribed):
     """
 
     def at(factor):
-        sections = tuple(
-            _resized(s, s.width, s.area * old / new)
-            for s, old, new in zip(requested, fractions, _denser(fractions, factor))
-        )
-        if prescribed:
-            return sections
-        return tuple(map(_best, sections, crossing))
+        return _densified(requested, crossing, fractions, prescribed, factor)
 
-    highest = max(1.0, CLOSEST_PACKING / min(fractions))
+    highest = _highest(fractions)
     left = _overlap(at(highest), crossing)
     if left > 0:
         raise _TooDense(

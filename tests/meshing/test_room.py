@@ -7,6 +7,8 @@ import pytest
 
 from fabrics import assumed, catalogue
 from fabrics.base.errors import InputError
+from fabrics.fabric import SECTIONS
+from meshing import inputs, section_fit
 from meshing.mesh_plan import Plan, with_room
 
 FOLDER = Path(__file__).parents[1] / "weavecell" / "own_fabrics"
@@ -73,3 +75,26 @@ def test_a_thickness_is_raised_within_its_range(load):
     )
     for given in (load(UHMWPE.replace("0.55 mm", "0.45 mm")), catalogue.load("S-720")):
         assert with_room(given) is given
+
+
+@pytest.mark.parametrize("text, factors", [(TWARON, (0.7, 0.8, 1.0)), (UHMWPE, (0.9, 1.0, 1.01))])
+def test_whether_there_is_room_is_what_the_search_for_sections_says(
+    load, monkeypatch, text, factors
+):
+    """Of thicknesses on both sides of the least, by each kind of section and by any."""
+    monkeypatch.setattr(section_fit, "_advice", lambda *_: "")  # which takes seconds
+    fabric = load(text)
+    answers = set()
+    for factor in factors:
+        made = assumed.of_thickness(fabric, factor)
+        sizes = (inputs.widths(made, 0.0, None), inputs.fractions(made), made.weave)
+        given = (*sizes, inputs.TIP_THICKNESS_RATIO)
+        for kind in (*SECTIONS, None):
+            found = True
+            try:
+                section_fit.fit_sections(kind, *given)
+            except InputError:
+                found = False
+            assert section_fit.leaves_room(kind, *given) == found, (kind, factor)
+            answers.add(found)
+    assert answers == {True, False}
