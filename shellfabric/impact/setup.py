@@ -315,6 +315,27 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
         return self._grade()
 
     @property
+    def stops_a_bullet(self) -> bool:
+        """Whether a pack is struck by a bullet of metal."""
+        return self.plies > 1 and self.projectile.body == "metal"
+
+    @property
+    def mesh_in_words(self) -> str:
+        """How long the elements about the impact point are, beside what they resolve."""
+        mesh = self.mesh
+        side = 1.0 / (mesh.elements_per_crossover or 1)
+        if mesh.grading is not None:
+            side = mesh.grading[0][1]
+        longest = max(2 * max(fabric.weave.w) * side for fabric in self.fabrics)
+        share = max(
+            2 * max(fabric.weave.w) * side / fabric.failure_length for fabric in self.fabrics
+        )
+        return (
+            f"elements of {1e3 * longest:.2g} mm about the impact point, {share:.2g} of the failure length, "
+            f"{longest / self.projectile.radius:.2g} of the projectile's radius"
+        )
+
+    @property
     def clamped(self) -> bool:
         """Whether all four edges are clamped."""
         return boundary.is_clamped(self.boundary)

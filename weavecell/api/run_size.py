@@ -3,7 +3,9 @@ Nothing is run.
 
 The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of
 S-726 and S-728, clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up
-to the higher. A run ends earlier where the projectile stops or has passed.
+to the higher. Plies of a pack cost something whatever their elements, and more under a body of
+metal: 84 short shots at packs of 2 and 3 plies. A run ends earlier where the projectile stops or has
+passed: `forecast_flight`.
 
 A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess
 of the limit takes over half of the opening. These factors and the shots that enclose a limit are
@@ -35,6 +37,9 @@ if TYPE_CHECKING:
 
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
+# of a ply of a pack and step, beside its elements, and what a body of metal adds to it [s]
+OF_A_PLY = 0.2e-3, 0.5e-3
+OF_A_BODY = 0.1e-3, 0.25e-3
 OF_A_BRICK = 850e-9, 1000e-9
 OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
 OF_A_SOLID = 1.0e-6, 1.3e-6  # hexahedron of woven solid yarns, with its bars and contacts
@@ -46,6 +51,14 @@ ENCLOSES = 2.5
 WIDTH = 1.0  # [m/s] of the bracket of a search, where it is not given
 # shots beside the bracket of a limit that look for mixed outcomes, at most
 LOOKS = 2
+# lengths of itself that a bullet of metal goes at its strike velocity until it is through or stopped: of
+# a pack of no plies, and more for each ply. Eleven shots at packs of 2 to 10 plies: 1.0 to 4.4 lengths
+FLIGHT = 1.2, 0.15
+HALF_OF_THEM = (
+    "elements half as long: four times as many, in steps of half the length at least, for 3 to 8 times "
+    "the CPU time"
+)
+WITHIN = 2.0  # by which factor the time of a flight is known
 # [s] a forecast of more says what it grows with, and of a study what spreads it
 LONG = 600.0
 GROWTH = (
@@ -130,6 +143,7 @@ class RunSize(_Size):
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
     model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
     said : what is shot at, taken for granted and chosen, as the report has it
+    of_bullet : lines on a pack that a bullet of metal strikes: CPU time of its flight, and its mesh
 
     Examples
     --------
@@ -150,6 +164,7 @@ class RunSize(_Size):
     foreseen: tuple[str, ...] = ()
     model: str = ""
     said: Wording = NOTHING
+    of_bullet: tuple[str, ...] = ()
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -200,10 +215,15 @@ class RunSize(_Size):
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
         kind = "one ply"
+        plies = bodies = 0
         if setup.plies > 1:
             kind = "pack"
-        numbers = np.array([pack.elements, bricks, sum(map(crossings_of, pack.plies))])
-        costs = np.array([COSTS[kind], OF_A_BRICK, OF_A_CROSSING])
+            plies = setup.plies
+        if setup.stops_a_bullet:
+            bodies = plies
+        crossings = sum(map(crossings_of, pack.plies))
+        numbers = np.array([pack.elements, plies, bodies, bricks, crossings])
+        costs = np.array([COSTS[kind], OF_A_PLY, OF_A_BODY, OF_A_BRICK, OF_A_CROSSING])
         low, high = steps * numbers @ costs
         needed = memory.needed(pack.plies, setup.snapshots, written=written)
         if setup.crossovers is not None:
@@ -221,6 +241,7 @@ class RunSize(_Size):
             _foresee(setup, pack),
             model_choice.advise(setup, pack),
             Wording.of_setup(setup, scene, velocity=velocity, drawn=drawn),
+            _tell_bullet(setup, pack, (low, high)),
         )
 
     def summary(self) -> dict[str, Any]:
@@ -246,6 +267,7 @@ class RunSize(_Size):
             f"{counted(self.elements, 'element')}{block}, at most {counted(self.steps, 'step')} of "
             f"{1e9 * self.time_step:.3g} ns",
             f"memory {_in_megabytes(self.memory)}; {self.cost} if it goes on to its end time",
+            *self.of_bullet,
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
@@ -254,6 +276,42 @@ class RunSize(_Size):
         if not in_terminal():
             lines += self.of_fabrics
         return [*lines, *self.said.lines]
+
+
+def forecast_flight(setup: ImpactSetup) -> float:
+    """Forecast the time [s] after which a bullet of metal is through a pack, or stopped by it."""
+    bullet = setup.projectile.turned
+    assert bullet is not None
+    none, of_each = FLIGHT
+    return (none + of_each * setup.plies) * bullet.length / setup.strike_velocity
+
+
+def _tell_bullet(setup, pack, cpu_time):
+    """Lines on a pack that a bullet of metal strikes: what its flight costs, unless clay goes on behind it,
+    and how fine the mesh is beside the one that is found for it."""
+    if not setup.stops_a_bullet:
+        return ()
+    lines = []
+    if setup.backing is None:
+        flight = forecast_flight(setup)
+        middle = min(flight / setup.end_time, 1.0) * (cpu_time[0] * cpu_time[1]) ** 0.5
+        low, high = (float(f"{seconds:.2g}") for seconds in (middle / WITHIN, middle * WITHIN))
+        lines.append(
+            f"{low:,.12g} to {high:,.12g} s of it until the bullet is through or stopped, after about "
+            f"{1e6 * flight:.0f} us"
+        )
+    found = replace(setup, grading=None, elements_per_crossover=None)
+    if found.mesh == setup.mesh:
+        lines.append(f"mesh found for the bullet: {setup.mesh_in_words}")
+        return (*lines, HALF_OF_THEM)
+    finer = found.target()
+    factor = finer.elements / pack.elements * pack.time_step / finer.time_step
+    lines.append(f"mesh given: {setup.mesh_in_words}")
+    lines.append(
+        f"without it one is found for the bullet, at {factor:.2g} times the CPU time: "
+        f"{found.mesh_in_words}"
+    )
+    return tuple(lines)
 
 
 def _forecast_all_yarns(pack, steps):

@@ -126,3 +126,48 @@ def test_a_forecast_tells_the_shots_of_the_study_from_those_of_the_range():
     assert f"{alone.shots} of these shots are the study itself, {size.of_range} the range" in str(
         size
     )
+
+
+# of shots of a 9 mm bullet at S-728, to their end: {(plies, m/s, opening [mm], failure lengths of an
+# element): (steps, CPU time [s])}
+FLIGHTS = {
+    (10, 400, 300, 2.0): (1485, 16.3),
+    (4, 300, 200, 2.0): (1056, 4.3),
+    (4, 300, 200, 1.0): (1122, 4.9),
+    (4, 220, 200, 2.0): (1716, 5.6),
+    (4, 220, 200, 1.0): (1584, 7.2),
+    (4, 220, 200, 0.5): (1693, 13.5),
+    (4, 145, 200, 1.0): (3197, 13.6),
+    (4, 145, 200, 0.5): (3125, 23.2),
+    (2, 100, 100, 0.5): (2458, 6.0),
+    (2, 100, 100, 0.25): (4960, 28.9),
+}
+
+
+@pytest.mark.parametrize("shot", FLIGHTS)
+def test_the_flight_of_a_bullet_takes_what_was_forecast_within_a_factor_of_two(shot):
+    """Times of a machine that others shared: what is forecast are steps of the solver, too."""
+    plies, velocity, side, resolved = shot
+    steps, cpu_time = FLIGHTS[shot]
+    bullet = {"projectile": "9 mm FMJ 8.0 g", "plies": plies, "opening": f"{side} mm"}
+    setup = wc.setup("S-728", f"{velocity} m/s", **bullet).graded(resolved, 4)
+    size = wc.impact(setup, check=True)
+    flight = run_size.forecast_flight(setup)
+    assert 0.5 < flight / size.time_step / steps < 2
+    low, high = (float(word) for word in size.of_bullet[0].partition(" s ")[0].split(" to "))
+    assert low < cpu_time < high
+
+
+def test_a_bullet_is_told_its_mesh_and_what_the_one_that_is_found_costs():
+    """Of a mesh that is given with the cost of the default over its own; FSPs are told nothing."""
+    pack = {"plies": 2, "opening": "60 mm"}
+    bullet = pack | {"projectile": "9 mm FMJ 8.0 g"}
+    setup = wc.setup("S-728", "300 m/s", **bullet)
+    found = "elements of 0.37 mm about the impact point, 0.5 of the failure length"
+    assert found in str(wc.impact(setup, check=True).of_bullet)
+    coarse = wc.impact(setup.graded(2.0, 4), check=True).of_bullet
+    assert "mesh given: elements of 1.5 mm about the impact point, 2 of the" in coarse[1]
+    assert coarse[2].endswith("0.083 of the projectile's radius")
+    assert found in coarse[2]
+    fragment = wc.setup("S-728", "300 m/s", **pack, projectile="FSP 1.10 g")
+    assert wc.impact(fragment, check=True).of_bullet == ()

@@ -381,6 +381,8 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
         "[accuracy] in the input file finds the mesh that they need. Near the critical velocity the outcome itself "
         "depends on the mesh."
     )
+    if setup.stops_a_bullet:
+        lead += f" It has {setup.mesh_in_words}."
     table = Table(("mesh", "value"), rows, numeric=("value",))
     return Section("panel-mesh", "Mesh", lead, tables=(table,))
 
