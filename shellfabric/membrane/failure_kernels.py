@@ -30,6 +30,7 @@ from shellfabric.jit.compile import kernel
 from shellfabric.jit.simd import item_or_scalar
 from shellfabric.membrane import criterion_kernels
 from shellfabric.membrane.energy_kernels import edges_in_row
+from shellfabric.membrane.membrane_kernels import bounded_by_tension
 from shellfabric.membrane.table_kernels import max_value
 from shellfabric.state import REDO, WARP_FAILED, WEFT, WEFT_FAILED, unit
 
@@ -178,6 +179,8 @@ def half_step_work(const, state, first, last):
             for j in range(const.row_stride):
                 k = np.uint64(i * const.row_stride + j)
                 d = state.dstretch[family][k]
-                work += 0.5 * state.yarn_length[family][k] * state.N[family][k] * d
-                viscous += 0.5 * state.yarn_length[family][k] * item_or_scalar(cv, k) * d * d
+                N = np.float64(state.N[family][k])
+                part = 0.5 * state.yarn_length[family][k] * d
+                work += part * N
+                viscous += part * bounded_by_tension(item_or_scalar(cv, k) * d, N)
     return work, viscous

@@ -41,6 +41,8 @@ from shellfabric.jit.simd import (
     load,
     load_or_broadcast,
     masked_store,
+    maximum,
+    minimum,
     rsqrt,
     shift_in_prev,
     store,
@@ -232,6 +234,14 @@ def share_forces(state, const, work, first, last):
         work.N[WEFT][j] = 0.0
 
 
+@kernel(_nrt=False, forceinline=True)
+def bounded_by_tension(damping, N):
+    """Bound the viscous force [N] of an edge by its tension: a slack yarn has none, and no yarn is
+    pushed."""
+    most = maximum(N, 0.0)
+    return minimum(maximum(damping, 0.0 - most), most)
+
+
 @kernel(_nrt=False, fastmath=SUM)
 def step_work(again, cv, k, length, stretch, N, kept):
     """Compute (work of N, work of the viscous force) [J] of a step: the trapezoid of the force over
@@ -247,7 +257,9 @@ def step_work(again, cv, k, length, stretch, N, kept):
             d = stretch[j] - L[j]
         part = length[j] * d
         work += part * (N[j] + P[j])
-        viscous += item_or_scalar(cv, np.uint64(k + j)) * part * (d + last)
+        c = item_or_scalar(cv, np.uint64(k + j))
+        now = bounded_by_tension(c * d, np.float64(N[j]))
+        viscous += part * (now + bounded_by_tension(c * last, np.float64(P[j])))
     return 0.5 * work, 0.5 * viscous
 
 
@@ -256,7 +268,7 @@ def pull_yarns(state, const, work, block, first, last):
     """Compute the axial forces of a block's edges over their stretch, and the work of the step.
 
     The pull is y (N + cv dL), dE/dLambda with y [m] the length of yarn of an edge, less what the
-    trellis on both sides takes. Summed over the steps the work equals, term by term, what central
+    trellis on both sides takes; |cv dL| is N at most. Summed over the steps the work equals, term by term, what central
     differences exchange with the kinetic energy. A step that is made again, since yarns failed in
     it, keeps its change of stretch.
 
@@ -320,9 +332,11 @@ def pull_edges(again, k, factors, edges, turned, kept, on):
             d = np.float64(D[j])
         else:
             d = stretch[j] - L[j]
-        pull = length[j] * fma(item_or_scalar(cv, np.uint64(k + j)), d, N[j]) - (
-            one_side[j] + other_side[j]
-        )
+        # `bounded_by_tension`, with the one rounding that a taut yarn has without it
+        most = maximum(N[j], 0.0)
+        tension = fma(item_or_scalar(cv, np.uint64(k + j)), d, N[j])
+        tension = minimum(maximum(tension, N[j] - most), N[j] + most)
+        pull = length[j] * tension - (one_side[j] + other_side[j])
         per_stretch = item_or_scalar(per_length, np.uint64(k + j)) * inverse[j]
         on[j] = per_stretch * pull
         L[j] = stretch[j]

@@ -106,11 +106,19 @@ def random_block(rng, s, **changes):
     return state, const, work
 
 
+def bounded(damping, N):
+    """The viscous force of an edge: no larger than its tension."""
+    most = max(N, 0.0)
+    return np.clip(damping, -most, most)
+
+
 @pytest.mark.parametrize("again", [False, True])
 def test_edges_of_a_step_against_their_plain_twin(again):
-    """Pulls, what is kept for the next step, and the works of N and of cv dL."""
-    s, cv, r = 11, (40.0, 30.0), (3.0, 5.0)
-    rng = np.random.default_rng(5)
+    """Pulls, what is kept for the next step, and the works of N and of cv dL, of taut and slack yarns that stretch and
+    shorten."""
+    s, cv, r = 11, (0.9, 0.7), (3.0, 5.0)
+    rng = np.random.default_rng(2)
+    bounds = set()
     state, const, work = random_block(rng, s, inv_dx=r[0], inv_dy=r[1], cv1=cv[0], cv2=cv[1])
     for part in (*state.stretch, *state.N, *state.dstretch, *state.yarn_length):
         part[:] = rng.normal(size=part.size)
@@ -130,14 +138,19 @@ def test_edges_of_a_step_against_their_plain_twin(again):
             d = stretch[m] - L[k]
             if again:
                 d = D[k]
-            pull = y[k] * (N[m] + cv[family] * d) - turned[m] - turned[m - beside]
+            damping = cv[family] * np.array([d, D[k]])
+            now = bounded(damping[0], N[m])
+            bounds.add((N[m] > 0, d > 0, now == damping[0]))
+            pull = y[k] * (N[m] + now) - turned[m] - turned[m - beside]
             on = r[family] * work.inv_stretch[family][m] * pull
             assert work.f_over_stretch[family][m] == pytest.approx(on)
             assert state.stretch[family][k] == stretch[m]
             assert state.N[family][k] == N[m]
             assert state.dstretch[family][k] == np.float32(d)
-            works += y[k] * d * np.array([0.5 * (P[k] + N[m]), 0.5 * cv[family] * (D[k] + d)])
+            viscous = now + bounded(damping[1], P[k])
+            works += y[k] * d * np.array([0.5 * (P[k] + N[m]), 0.5 * viscous])
         assert state.stretch[family][s] == L[s]
+    assert len(bounds) == 6
     assert_allclose([state.edge_work[0], state.viscous_work[0]], works * (not again), rtol=1e-12)
 
 
