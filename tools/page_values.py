@@ -44,6 +44,7 @@ from fabrics import catalogue  # noqa: E402
 from shellfabric.guards import ENERGY_ERROR_LIMIT  # noqa: E402
 from shellfabric.membrane.numerics import Numerics  # noqa: E402
 from shellfabric.membrane.quality import CHECKS  # noqa: E402
+from shellfabric.plies.numerics import PlyContact  # noqa: E402
 from shellfabric.yarns.holding import BISECTIONS, find_factors  # noqa: E402
 from validation.study import DATA, read  # noqa: E402
 
@@ -80,6 +81,7 @@ CODE = {
     "shellfabric.membrane.numerics Numerics": {
         field.name: field.default for field in fields(Numerics)
     },
+    "shellfabric.plies.numerics PlyContact": {"closing_courant": PlyContact().closing_courant},
 }
 for place, table_of_numbers in ASSUMED.items():
     CODE[place], CODE[f"{place} over the value"] = {}, {}

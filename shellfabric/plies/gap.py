@@ -5,7 +5,8 @@ The thesis takes as the gap all that two neighbouring plies of a pack close up t
 pressure of its test (eqs. 5-1 to 5-4, erratum E-02): the flattening of the weave and the nesting of
 plies together, since its contact is stiff. A law of the contact with a travel of its own
 (`fabrics.ply_law`) holds the flattening; the rest of the closure is nesting, and that is the gap.
-The pressure law of packs holds all of it and leaves none.
+The pressure law of packs holds all of it and leaves none. How much of it a pack at rest has closed
+by its own weight and seams nobody measured: the range of a closure between platens goes down to 0.
 """
 
 from __future__ import annotations
@@ -84,10 +85,13 @@ def _closure(fabric):
     if fabric.interlayer_gap is not None:
         gap = fabric.interlayer_gap
         origin = "of the fabric"
-        source = fabric.sources.get("interlayer_gap", {}).get("source", "")
-        if source:
-            origin += f" file ({source})"
-        return PlyGap(gap, gap, gap, origin)
+        entry = fabric.sources.get("interlayer_gap", {})
+        if entry.get("source"):
+            origin += f" file ({entry['source']})"
+        low = gap
+        if entry.get("status") == "fitted":  # to what platens close
+            low = 0.0
+        return PlyGap(gap, low, gap, origin)
     try:
         if fabric.areal_density_measured is not None and fabric.weave.pattern.is_plain:
             gap = compression_gap(fabric.areal_density_measured)

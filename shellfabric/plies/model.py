@@ -260,7 +260,7 @@ class Pack:
     def time_step(self) -> float:
         """[s] the shortest of the plies' steps and of those of their contact (`PlyContact`)."""
         steps = [
-            self.contact.courant * (self._density(p) / self._steepest(p)) ** 0.5
+            self.contact.closing_courant * (self._density(p) / self._steepest(p)) ** 0.5
             for p in range(len(self.laws))
         ]
         return min(*(ply.time_step for ply in self.plies), *steps, inf)
@@ -372,6 +372,7 @@ class Pack:
             area_ratio=np.concatenate([np.ravel(area) for area in areas] + [np.zeros(WIDTH)]),
             laws=laws,
             law_cell=law_cell,
+            resilience=float(self.contact.resilience),
             share_drag=self.contact.share_drag,
             friction=float(self.friction),
             stick_damping=np.array(

@@ -11,6 +11,7 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from fabrics.data_sheet import entries
 from fabrics.ply_law import PlyLaw
 
 _CELLS = 128  # of the table of a law over its travel
@@ -20,7 +21,8 @@ _SHARE_COURANT = 1.35  # kappa C, two thirds of what is stable
 @explain_frozen
 @dataclass(frozen=True)
 class PlyContact:
-    """Numerical parameters of the contact between plies, set by stability and convergence.
+    """Parameters of the contact between plies: those that stability and convergence set, and what
+    plies give back.
 
     The contact's stiffness is that of a law of the fabric (`fabrics.ply_law.PlyLaw`): K = dp/dd
     [Pa/m], the same on every mesh. It bounds the time step. In a stack of plies of the areal
@@ -29,8 +31,9 @@ class PlyContact:
         C^2 + 2 zeta C < 1,     C = dt sqrt(K / A)
 
     with K the steepest of the law. C is the Courant number of the contact: a compression wave
-    passes C plies a step. The defaults stand at 0.83. Two free plies part with 0.27 of the speed at
-    which they met.
+    passes C plies a step. The defaults stand at 0.83. Along the branch on which plies part K is 1 /
+    resilience times as steep, with the same damper; the step is cut down so that this branch too
+    stands there.
 
     Limited shares (`surface.surface_kernels`) call nodes back that run ahead of a push, by a damper
     of kappa sqrt(K A) per area, which requires kappa C < 2. kappa = 1.35 / C is 3 at the default; a
@@ -42,6 +45,8 @@ class PlyContact:
     courant : [-] C, which the time step of the pack is cut down to
     damping : [-] zeta, on the stiffness that the law has at the present closure
     points : along each side of an element
+    resilience : [-] e, share of the energy of a closure that comes back as plies part
+        (`pressure_kernels`); 1: all of it
     stiffness : [-] factor on the pressure of the law and on the nose's stiffness, to see what
         depends on them
 
@@ -54,15 +59,29 @@ class PlyContact:
     damping: float = 0.7
     points: int = 2
     stiffness: float = 1.0
+    resilience: float = entries()["ply_resilience"].number
 
     def __post_init__(self):
         for key in ("courant", "stiffness"):
             if not 0 < getattr(self, key) < inf:
                 raise InputError(key=key, value=getattr(self, key), allowed="above 0")
+        if not 0 < self.resilience <= 1:
+            raise InputError(
+                key="resilience", value=self.resilience, allowed="above 0 and at most 1"
+            )
         if not 0 <= self.damping < inf:
             raise InputError(key="damping", value=self.damping, allowed="at least 0")
         if not 1 <= self.points <= 8:
             raise InputError(key="points", value=self.points, allowed="1 to 8")
+
+    @property
+    def closing_courant(self) -> float:
+        """[-] dt sqrt(K / A) with which the branch on which plies part keeps the margin of
+        `courant`."""
+        sum_of_stability = self.courant * (self.courant + 2 * self.damping)
+        drag = self.damping * self.resilience**0.5
+        parting = (drag**2 + sum_of_stability) ** 0.5 - drag
+        return parting * self.resilience**0.5
 
     @property
     def share_ratio(self) -> float:

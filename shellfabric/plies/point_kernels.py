@@ -83,7 +83,7 @@ def solve(matrix, along):
 @kernel(_nrt=False, forceinline=True)
 def offset_after(w, slopes, second, a, b):
     """Return the offset w [m] of a point from the surface after a step of its closest point by
-    (a, b), to second order: eq. (3) of `plies.pressure_kernels`."""
+    (a, b), to second order: eq. (4) of `plies.pressure_kernels`."""
     y_a, y_b = slopes
     y_aa, y_ab, y_bb = second
     along_a = add_scaled(y_a, 0.5, add(scaled(a, y_aa), scaled(b, y_ab)))
@@ -113,13 +113,23 @@ def unearned(closure, motion, memory, step, thickness):
 
 
 @kernel(_nrt=False, forceinline=True)
-def normal_force(pressure, p, area, closure, closing, touching):
-    """Return the force [N] of a point of ply p along the normal, eq. (1), and the energy [J] in its
-    spring, 0 unless `touching`; and D / f [s/m] of its limited shares (`surface.surface_kernels`).
+def spring_at(pressure, p, closure, deepest):
+    """Return (force [N], damping [N s/m], energy [J] that it gives back) of the spring of a point of
+    ply p at a closure [m], which has been `deepest`: eq. (3) of `plies.pressure_kernels`."""
+    on_law = deepest - (deepest - closure) / pressure.resilience
+    spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], on_law)
+    return spring, where(greater(on_law, 0.0), damping, 0.0), pressure.resilience * energy
 
-    area : that it stands for; closure : [m]; closing : [m/s]
+
+@kernel(_nrt=False, forceinline=True)
+def normal_force(pressure, p, area, closures, closing, touching):
+    """Return the force [N] of a point of ply p along the normal, eq. (1), and the energy [J] that its
+    spring gives back, 0 unless `touching`; and D / f [s/m] of its limited shares
+    (`surface.surface_kernels`).
+
+    area : that it stands for; closures : [m] now, and the deepest; closing : [m/s]
     """
-    spring, damping, energy = law_at(pressure.laws[p], pressure.law_cell[p], closure)
+    spring, damping, energy = spring_at(pressure, p, *closures)
     force = area * damped(spring, damping, closing)
     drag = pressure.share_drag * area * damping / maximum(force, _LEAST_FORCE)
     return where(touching, force, 0.0), where(touching, area * energy, 0.0), drag

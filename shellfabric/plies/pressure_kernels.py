@@ -18,13 +18,23 @@ contract much below it (`membrane.packing_kernels`).
 Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies
 come to meet through a hole, each at a depth that no motion has made: energy that nobody gave. What
 a closure c jumps by, c - c_old - dt n.v beyond _JUMP thicknesses, does not press (`unearned`),
-until the point has left. It is the one thing that is remembered.
+until the point has left.
+
+Plies give less back than they took. p falls along a steeper branch from the deepest closure d' that
+a point has had since it touched, and rises along it up to d' again:
+
+    p(d' - (d' - d) / e),     d < d'                                                    (3)
+
+It is the law drawn together towards d', so that of the energy that closing took the share e comes
+back, whatever the law (`fabrics.plies_give_back`), and plies stay closed by 1 - e of d' without a
+pressure. There the damper is off too. A point that leaves forgets d', as it forgets what it jumped by:
+nothing else is remembered.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes
 Newton's steps. With the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at
 its end is, to second order,
 
-    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b               (3)
+    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b               (4)
 
 Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may
 touch. Most are computed eight at once: points with the same place in neighbouring elements are side
@@ -65,7 +75,6 @@ from shellfabric.plies.frame_kernels import (
     mean_thickness,
     nearest_place,
 )
-from shellfabric.plies.law_kernels import law_at
 from shellfabric.plies.near_kernels import tile_bounds
 from shellfabric.plies.point_kernels import (
     friction_damping,
@@ -75,6 +84,7 @@ from shellfabric.plies.point_kernels import (
     offset_after,
     sliding_velocity,
     solve,
+    spring_at,
     unearned,
 )
 from shellfabric.plies.state import unit
@@ -356,7 +366,7 @@ def point_energy(contact, p, i, j, number):
     pressure = contact.pressure
     area = pressure.area_ratio[pressure.first_element[p] + i * contact.nj[p] + j]
     closure = pressure.last_closure[number] - pressure.unearned_closure[number]
-    return area * law_at(pressure.laws[p], pressure.law_cell[p], closure)[2]
+    return area * spring_at(pressure, p, closure, pressure.deepest_closure[number])[2]
 
 
 @kernel(_nrt=False)
@@ -487,8 +497,8 @@ def push(contact, front, rear, area, n, closure, number):
     front_speeds, front_speed, front_tilt = moving(contact, foot, n)
     rear_speeds, rear_speed, rear_tilt = moving(contact, closest, n)
     closing = front_speed - rear_speed
-    closure = earned_closure(contact, mean_thickness(contact, p, q), number, closure, closing)
-    f, energy, drag = normal_force(pressure, p, area, closure, closing, True)
+    closures = earned_closure(contact, mean_thickness(contact, p, q), number, closure, closing)
+    f, energy, drag = normal_force(pressure, p, area, closures, closing, True)
     force = scaled(f, n)
     front_nodes = pushed_nodes(contact, p, BEHIND, foot)
     rear_nodes = pushed_nodes(contact, q, BEFORE, closest)
@@ -506,7 +516,7 @@ def push(contact, front, rear, area, n, closure, number):
         share_out(*rear_nodes, scaled(rub, sliding))
         pressure.friction_work[p] += contact.dt * rub * speed * speed
     pressure.spring_energy[p] += energy
-    pressure.max_closure[p] = max(pressure.max_closure[p], closure)
+    pressure.max_closure[p] = max(pressure.max_closure[p], closures[0])
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -530,7 +540,8 @@ def pushed_nodes(contact, p, side, foot):
 
 @kernel(_nrt=False, forceinline=True)
 def earned_closure(contact, thickness, number, closure, closing):
-    """Return the closure [m] of a point less its unearned part, and remember both."""
+    """Return the closure [m] of a point less its unearned part, and the deepest since it touched;
+    remember them."""
     pressure = contact.pressure
     memory = (
         pressure.last_contact_step[number],
@@ -539,10 +550,15 @@ def earned_closure(contact, thickness, number, closure, closing):
     )
     now = float(contact.step)
     part = unearned(closure, contact.dt * closing, memory, now, thickness)
+    earned = closure - part
+    deepest = earned
+    if memory[0] == now - 1.0:
+        deepest = max(deepest, pressure.deepest_closure[number])
     pressure.last_contact_step[number] = now
     pressure.last_closure[number] = closure
     pressure.unearned_closure[number] = part
-    return closure - part
+    pressure.deepest_closure[number] = deepest
+    return earned, deepest
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -565,10 +581,14 @@ def earned_closure8(contact, thickness, points, closure, closing, which):
     )
     now = float(contact.step)
     part = unearned(closure, contact.dt * closing, memory, now, thickness)
+    earned = closure - part
+    touched = greater(0.5, fabs(memory[0] - (now - 1.0)))
+    deepest = maximum(where(touched, load(pressure.deepest_closure[0], q), 0.0), earned)
     store_where(pressure.last_contact_step[0], points, which, broadcast(now))
     store_where(pressure.last_closure[0], points, which, closure)
     store_where(pressure.unearned_closure[0], points, which, part)
-    return closure - part
+    store_where(pressure.deepest_closure[0], points, which, deepest)
+    return earned, deepest
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -711,11 +731,11 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     rear_speed = mean_speed8(rear_speeds, za, zb)
     closing = front_speed - rear_speed
     thickness = mean_thickness(contact, p, p + 1)
-    closure = earned_closure8(contact, thickness, points, closure, closing, which)
-    f, energy, drag = normal_force(pressure, p, area, closure, closing, which)
+    closures = earned_closure8(contact, thickness, points, closure, closing, which)
+    f, energy, drag = normal_force(pressure, p, area, closures, closing, which)
     pressure.spring_energy[p] += reduce_add(energy)
-    deepest = reduce_max(where(which, closure, 0.0))
-    pressure.max_closure[p] = max(pressure.max_closure[p], deepest)
+    most = reduce_max(where(which, closures[0], 0.0))
+    pressure.max_closure[p] = max(pressure.max_closure[p], most)
     if not any_lane(greater(f, 0.0)):
         return
     ahead = pressure.grid_window[p, BEHIND]

@@ -121,6 +121,12 @@ class Pressure(Row):
         "part of it that no motion has made, and that does not press",
         kept=True,
     )
+    deepest_closure = array(
+        "4, points + 8",
+        "m",
+        "largest closure less that part since the point touched",
+        kept=True,
+    )
     last_contact_step = array("4, points + 8", "-", "step in which it last touched", kept=True)
     first_element = array(
         "plies int64", "-", "number of the first element of each ply but the last, in `area_ratio`"
@@ -138,6 +144,7 @@ class Pressure(Row):
         "beyond",
     )
     law_cell = array("plies - 1", "m", "width of a cell")
+    resilience = number("-", "share of the energy of a closure that comes back")
     share_drag = number("-", "D of limited shares over the damping of a point; 0: plain shares")
     friction = number("-", "Coulomb friction coefficient between plies")
     stick_damping = array(

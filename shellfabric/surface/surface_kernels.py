@@ -30,7 +30,7 @@ with the velocity u from which on it runs ahead: the larger one of both surfaces
 by which plies that turn together have nodes ahead of the point where they touch: without it they are
 braked. A slope is the smaller one of the two between three rows of nodes, 0 if these differ in sign,
 so that a tip has none; it fades out with the weight of the outer rows, so that no force jumps where a
-point passes on to other nodes. A nose has no T.
+point passes on to other nodes. A nose moves without turning: its T' is 0, and so is the minimum.
 
 The sum of the shares is 1, so that momentum is kept. Shares fall where velocities rise; by Chebyshev's
 inequality the power f sum((s - M) n.v) is then at most 0: energy is taken, never given. A push moves

@@ -10,7 +10,7 @@ runs over the sum of these widths.
 What is assumed besides the fabric follows from the set-up: strength after weaving, unless
 `weaving_damage` gives it, since yarns are tested before; friction of the projectile, of plies where
 there are several, the force of clamps in which yarns slip, and in packs the area that packed fabric
-keeps. Rigid clamps stay: slip is another model, not the end of a range.
+keeps, what plies give back, and the gap between them. Rigid clamps stay: slip is another model, not the end of a range.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import astuple, dataclass, replace
 from functools import partial, reduce
+from itertools import pairwise
 from typing import Any
 
 from fabrics import assumed, data_sheet
@@ -30,9 +31,12 @@ from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane.boundary import Grip
 from shellfabric.membrane.indicator import DOUBTFUL, status
+from shellfabric.plies.gap import gap_between
+from shellfabric.plies.numerics import PlyContact
 from weavecell.studies import inputs
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
+GAP = "gap between plies"
 # the search begins at the nominal limit, so its first step is small
 NEXT_STEP = 1.05
 
@@ -149,7 +153,7 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     names = set(changes(setup))
     # these are assumed of nearly every set-up, so they alone do not start a range
     if choice == "laws":
-        names -= {"failure length", *inputs.ranges()}
+        names -= {"failure length", GAP, *inputs.ranges()}
     if names:
         return setup
     return None
@@ -194,6 +198,13 @@ def changes(setup: ImpactSetup) -> Ends:
                 own[f"{name} {end:g}"] = partial(set_value, name=name, value=end)
         if own:
             ends_of[name] = own
+    gaps = {}
+    for words, field in (("plies in touch", "low"), ("wide gaps between plies", "high")):
+        change = partial(_with_gaps, field)
+        if change(setup) != _with_gaps("value", setup):
+            gaps[words] = change
+    if gaps:
+        ends_of[GAP] = gaps
     return ends_of
 
 
@@ -239,6 +250,21 @@ def _with_laws(ply, end):
     return replace(ply, laws=tuple((law.ends() or {end: law})[end] for law in laws) or None)
 
 
+def _with_gaps(end, setup):
+    """The set-up with one end of the range of each gap between plies that nobody gave
+    (`PlyGap`)."""
+    if setup.lay_up:
+        plies = list(setup.lay_up)
+        for number, (front, rear) in enumerate(pairwise(setup.lay_up)):
+            if front.gap is None:
+                gap = getattr(gap_between(front.fabric, rear.fabric), end)
+                plies[number] = replace(front, gap=gap)
+        return replace(setup, lay_up=tuple(plies))
+    if setup.plies == 1 or setup.ply_gap is not None:
+        return setup
+    return replace(setup, ply_gap=getattr(gap_between(setup.fabric, setup.fabric), end))
+
+
 def set_value(setup: ImpactSetup, name: str, value: float) -> ImpactSetup:
     """Return the set-up with a value of one of `inputs.ranges`; as it is where it does not assume
     it."""
@@ -251,6 +277,9 @@ def set_value(setup: ImpactSetup, name: str, value: float) -> ImpactSetup:
             return replace(setup, ply_friction=value)
         case "area of packed fabric" if setup.plies > 1:
             return replace(setup, packed_area=value)
+        case "energy given back by plies" if setup.plies > 1:
+            contact = setup.contact or PlyContact()
+            return replace(setup, contact=replace(contact, resilience=value))
         case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
             return replace(setup, crossovers=replace(setup.crossovers, friction=value))
         case _ if name in inputs.OF_RESOLVED_YARNS and setup.crossovers is not None:
@@ -273,6 +302,8 @@ def is_given(setup: ImpactSetup, name: str) -> bool:
             number = setup.ply_friction
         case "area of packed fabric":
             number = setup.packed_area
+        case "energy given back by plies":
+            number = (setup.contact or PlyContact()).resilience
         case inputs.FRICTION_OF_CROSSOVERS if setup.crossovers is not None:
             number = setup.crossovers.friction
         case _ if name in inputs.OF_RESOLVED_YARNS and setup.crossovers is not None:

@@ -28,6 +28,11 @@ OF_RESOLVED_YARNS = {
     "lateral stiffness of yarns": ("lateral", "lateral_stiffness"),
     "edge of yarns under the nose": ("edge", "edge"),
 }
+# key of data_sheet.toml, by what is assumed of packs
+OF_PACKS = {
+    "area of packed fabric": "packed_area",
+    "energy given back by plies": "ply_resilience",
+}
 
 
 @dataclass(frozen=True)
@@ -69,8 +74,8 @@ def table(section: str) -> dict[str, families.Entry]:
 
 
 def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
-    """Read the entries of shots with these fabrics, of [assumed], of resolved yarns and of the area
-    of packed fabric, by name."""
+    """Read the entries of shots with these fabrics, of [assumed], of resolved yarns and of packs, by
+    name."""
     from shellfabric.yarns.model import DATA
 
     of_sheet = data_sheet.entries()
@@ -78,7 +83,8 @@ def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
     assumed[FRICTION_OF_CROSSOVERS] = friction_between_yarns(*fabrics)
     for name, (_, key) in OF_RESOLVED_YARNS.items():
         assumed[name] = families.entries(DATA)[key]
-    return assumed | {"area of packed fabric": of_sheet["packed_area"]}
+    of_packs = {name: of_sheet[key] for name, key in OF_PACKS.items()}
+    return assumed | of_packs
 
 
 def read_scatter() -> Scatter:

@@ -2,12 +2,14 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from math import radians
 
 import numpy as np
 import pytest
-from conftest_tools import Pressed, grid
+from conftest_tools import Pressed, advance, far_from_nose, grid, momenta
 from numpy.testing import assert_allclose
+from scipy.integrate import trapezoid
 from scipy.optimize import least_squares
 
 from fabrics import catalogue
@@ -158,7 +160,8 @@ def plain(pressed):
             slope = (law.pressure_at(closure + 1e-12) - law.pressure_at(closure)) / 1e-12
             damping = pack.contact.damping * np.sqrt(slope * density)
             pressure = law.pressure_at(closure) + damping * (front_mean - rear_mean)
-            energy += areas[i // n, j // n] * law.energy_at(closure)
+            back = pack.contact.resilience * law.energy_at(closure)
+            energy += areas[i // n, j // n] * back
             if pressure <= 0:
                 continue
             f = areas[i // n, j // n] * pressure * normal
@@ -249,12 +252,76 @@ def test_eight_at_once_are_one_at_a_time(ply, stacking, opening, grading, width,
     assert min(seen) < 0.7 * max(seen)
 
 
+@pytest.mark.parametrize("share", [0.4, 0.75])
+@pytest.mark.parametrize("alone", [True, False])
+def test_plies_give_back_a_share_of_what_closed_them(ply, share, alone):
+    """Flat plies that are closed, parted by some, closed deeper, parted until they leave, and closed anew: pressure
+    along the branches, and of the energy of closing, which the law bends, the share that comes back."""
+    panel = replace(ply, symmetry="whole", opening=(0.012, 0.011))
+    knobs = PlyContact(damping=0.0, resilience=share)
+    pack = Pack.stacked(panel, 2, gap=30e-6, law=LAW, contact=knobs)
+    pressed = Pressed(pack)
+    if alone:
+        pressed = pressed.alone()
+    const = pressed.consts[0]
+    area = np.prod(panel.opening)
+    front = pressed.states[0]
+    turns = np.array([0.0, 66e-6, 60e-6, 74e-6, 20e-6, 58e-6])  # [m] of the front ply
+    places = np.concatenate([np.linspace(*ends, 60)[1:] for ends in pairwise(turns)])
+    forces = []
+    before = 0.0
+    for place in places:
+        grid(const, front.u[2])[:] = place
+        grid(const, front.v[2])[:] = (place - before) / const.dt
+        before = place
+        on_front, _ = pressed.press()
+        forces.append(-on_front[..., 2].sum() / area)
+        assert pressed.spring() <= area * LAW.energy_at(44e-6)
+    deepest = 0.0
+    expected = []
+    for closure in np.maximum(places - 30e-6, 0.0):
+        deepest = max(deepest, closure) if closure > 0 else 0.0
+        expected.append(LAW.pressure_at(deepest - (deepest - closure) / share))
+    assert_allclose(forces, expected, rtol=1e-6, atol=1e-6 * max(expected))
+    falls = slice(59 * 3 - 1, 59 * 4)
+    back = -trapezoid(forces[falls], places[falls])
+    assert back == pytest.approx(share * LAW.energy_at(44e-6), rel=0.02)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_free_plies_part_with_the_root_of_the_share(ply, share):
+    """Without dampers, of plies that are not alike in weight: momentum is kept, and the energy that does not come back
+    is in the books as that of the contact."""
+    free = replace(ply, boundary="free", symmetry="whole", opening=(0.011, 0.012))
+    knobs = PlyContact(damping=0.0, courant=0.1, resilience=share)
+    solver = far_from_nose(Pack((free, free), (20e-6,), knobs))
+    speeds = 120.0, -35.0
+    for state, speed, factor in zip(solver.states, speeds, (1.0, 1.7)):
+        state.mass[:] *= factor
+        state.dt_over_mass[:] /= factor
+        state.v[2][:] = np.where(state.mass > 0, speed, 0.0)
+    masses = np.array([state.mass.sum() for state in solver.states])
+    solver.samples.clear()
+    solver.energy_at_start = None  # the plies have been set in motion
+    solver._sample()
+    advance(solver, round(0.6e-6 / solver.const.dt))
+    solver._sample()
+    moved = momenta(solver)[:, 2]
+    assert moved.sum() == pytest.approx(masses @ speeds, rel=1e-12)
+    after = moved / masses
+    assert after[1] - after[0] == pytest.approx(share**0.5 * (120.0 + 35.0), rel=0.01)
+    relative = 0.5 * masses.prod() / masses.sum() * 155.0**2
+    assert solver.sample("ply_contact")[-1] == pytest.approx((1 - share) * relative, rel=0.02)
+    assert abs(solver.sample("error")).max() < 1e-6 * relative
+
+
 @pytest.mark.parametrize("points", [1, 2])
 @pytest.mark.parametrize("alone", [True, False])
 def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
-    """A bulging ply that is drawn over another: what its springs hold is what it was pushed by. With a direction that
-    is a step behind, forces would lean the way of the sliding and do a work that nothing gives."""
-    knobs = PlyContact(points=points, damping=0.0)
+    """A bulging ply that is drawn over another: what its springs hold is what it was pushed by, if they give all of it
+    back. With a direction that is a step behind, forces would lean the way of the sliding and do a work that nothing
+    gives."""
+    knobs = PlyContact(points=points, damping=0.0, resilience=1.0)
     pack = Pack.stacked(replace(ply, symmetry="whole"), 2, gap=50e-6, contact=knobs)
     pressed = Pressed(pack).bulge(np.random.default_rng(2), 0.1e-3)
     pressed = pressed.alone() if alone else pressed
@@ -286,9 +353,10 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
 @pytest.mark.parametrize("angle", [0.0, 0.4])
 def test_the_contact_remembers_nothing(ply, angle):
     """The same plies, come to the same places by motion, press on each other alike, whatever has been before; also from
-    a search that begins an element aside."""
+    a search that begins an element aside. Of plies that give all back: others remember how deep they were."""
     panel = replace(ply, symmetry="whole", opening=(0.03, 0.03), round=True, trellis=True)
-    pack = Pack((panel, at_angle(panel, angle)), (0.05e-3,), friction=0.2)
+    elastic = PlyContact(resilience=1.0)
+    pack = Pack((panel, at_angle(panel, angle)), (0.05e-3,), elastic, friction=0.2)
     pressed = Pressed(pack).bulge(np.random.default_rng(5), 0.2e-3)
     forces = pressed.press(4)
     for aside in (0.3, -0.8):
@@ -359,7 +427,8 @@ def test_pressure_is_the_same_on_every_mesh(ply, grading, alone):
         assert -two.place(closure / two.thickness) / area == pytest.approx(
             float(LAW.pressure_at(closure)), rel=1e-6
         )
-        assert two.spring() / area == pytest.approx(float(LAW.energy_at(closure)), rel=1e-6)
+        back = PlyContact().resilience * float(LAW.energy_at(closure))
+        assert two.spring() / area == pytest.approx(back, rel=1e-6)
 
 
 def test_a_distance_has_no_sign(ply):

@@ -17,9 +17,11 @@ from shellfabric.membrane import packing_kernels, quality
 from shellfabric.membrane.indicator import NOTED
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import law_kernels
+from shellfabric.plies.numerics import PlyContact
 from shellfabric.state import ERODED
 
 S726 = catalogue.load("S-726").with_effective_density()
+SHARE = PlyContact().resilience
 SHOT = ImpactSetup(
     S726,
     300.0,
@@ -32,8 +34,9 @@ SHOT = ImpactSetup(
 
 
 def stored_by_points(contact):
-    """[J] sum over all points of their area at rest times the law's energy of what motion has closed them by."""
+    """[J] sum over all points of their area at rest times what the law gives back of what motion has closed them by."""
     total = 0.0
+    parted = []
     pressure = contact.pressure
     for p, laws in enumerate(pressure.laws):
         nj = contact.nj[p]
@@ -46,7 +49,12 @@ def stored_by_points(contact):
                 row, j = divmod(number - first, nj)
                 area = pressure.area_ratio[pressure.first_element[p] + row // each * nj + j]
                 closure = closures[number] - pressure.unearned_closure[slot, number]
-                total += area * law_kernels.law_at(laws, pressure.law_cell[p], closure)[2]
+                deepest = pressure.deepest_closure[slot, number]
+                parted.append(closure < deepest)
+                drawn = deepest - (deepest - closure) / SHARE
+                stored = law_kernels.law_at(laws, pressure.law_cell[p], drawn)[2]
+                total += area * SHARE * stored
+    assert not parted or 0 < np.mean(parted) < 1
     return total
 
 

@@ -17,6 +17,7 @@ from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
 from fabrics.families import list_families, trellis
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.plies.numerics import PlyContact
 from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
@@ -34,6 +35,8 @@ CRIMP += "(times 0.9 .. 1.1) and a warp share of the yarn heights of 0.63 (0.5 .
 LENGTH = "assumed: failure length 0.75 mm (0.375 mm .. 1.5 mm), because mine gives none"
 LENGTH_ENDS = ["failure length 0.375 mm", "failure length 1.5 mm"]
 PACKED = "area of packed fabric"
+GIVEN_BACK = "energy given back by plies"
+GAP = "gap between plies"
 WOVEN = "assumed: strength after weaving 0.94 (0.88 .. 1.0), because mine gives none"
 NOSE = "assumed: friction of the projectile 0.1 (0.0 .. 0.2), because mine gives none"
 SET_UP_ENDS = ["strength after weaving 0.88", "strength after weaving 1"]
@@ -232,7 +235,14 @@ def test_a_fabric_of_the_catalogue_has_its_strength_and_friction_on_the_nose_alo
 def test_what_a_set_up_assumes_follows_from_it(clamped_pack):
     usual = ["failure length", "strength after weaving", "friction of the projectile"]
     found = assumed_range.changes(clamped_pack)
-    assert list(found) == [*usual, "friction between plies", "clamp force", PACKED]
+    assert list(found) == [*usual, "friction between plies", "clamp force", PACKED, GIVEN_BACK, GAP]
+
+
+def given_gap(setup):
+    """[m] between plies; -1 where nobody has given one."""
+    if setup.ply_gap is None:
+        return -1.0
+    return setup.ply_gap
 
 
 # what is assumed: how a set-up has it, and the ends that it has not
@@ -251,6 +261,8 @@ READ = {
     "lateral stiffness of yarns": (lambda setup: setup.crossovers.lateral, (0.5, 2.0)),
     "edge of yarns under the nose": (lambda setup: setup.crossovers.edge, (0.1, 0.45)),
     PACKED: (lambda setup: setup.packed_area, (0.3, 0.7)),
+    GIVEN_BACK: (lambda setup: (setup.contact or PlyContact()).resilience, (0.3, 0.7)),
+    GAP: (given_gap, (0.0, 306.228e-6)),
 }
 
 
@@ -536,6 +548,8 @@ def test_the_failure_length_is_at_most_one_spacing():
         ("friction of the projectile", lambda s: replace_in(s, "projectile", friction=0.17)),
         ("friction between plies", lambda s: replace(s, ply_friction=0.23)),
         (PACKED, lambda s: replace(s, packed_area=0.42)),
+        (GIVEN_BACK, lambda s: replace(s, contact=PlyContact(resilience=0.42))),
+        (GAP, lambda s: replace(s, ply_gap=0.06e-3)),
         ("friction of crossovers", lambda s: replace_in(s, "crossovers", friction=0.23)),
         ("lateral stiffness of yarns", lambda s: replace_in(s, "crossovers", lateral=1.4)),
         ("edge of yarns under the nose", lambda s: replace_in(s, "crossovers", edge=0.3)),
