@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -85,13 +86,21 @@ def run_script(gmsh: Any, script: str) -> None:
     gmsh.model.mesh.generate(3)
 
 
+@lru_cache(maxsize=16)
 def of_script(script: str, name: str) -> Groups:
-    """Mesh a script of `meshing.geometry`."""
+    """Mesh a script of `meshing.geometry`.
+
+    One that this process has meshed before is not meshed again: runs of one patch in several models, or of one
+    crossover in several cases, have the same mesh. So nobody can write to its arrays.
+    """
     from meshing.session import gmsh_session  # pages and decks import meshes where gmsh is missing
 
     with gmsh_session(name) as gmsh:
         run_script(gmsh, script)
-        return read_groups(gmsh)
+        groups = read_groups(gmsh)
+    for array in (groups.points, *groups.quads.values(), *groups.hexes.values()):
+        array.flags.writeable = False
+    return groups
 
 
 def of_file(path: FilePath) -> Groups:

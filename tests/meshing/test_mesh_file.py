@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
-from meshing import crossover
+from meshing import crossover, generate
 from meshing.generate import Groups, of_script, run_script
 from meshing.inputs import YARNS
 from meshing.mesh import assemble
@@ -91,6 +91,27 @@ def test_a_section_changed_in_gmsh_is_the_one_that_is_meshed(tmp_path):
     assert mine.Vf0[0] == pytest.approx(yarn.A_s * (1 + yarn.crimp) / area, rel=2e-3)
     assert mine.Vf0[0] != pytest.approx(plain.Vf0[0], rel=0.02)
     assert mine.Vf0[1] == pytest.approx(plain.Vf0[1], rel=1e-4)
+
+
+def test_a_script_is_meshed_once_a_process(monkeypatch):
+    """Two builds of one crossover, whose arrays are their own, and one of another fabric."""
+    of_script.cache_clear()
+    scripts = []
+    run = generate.run_script
+
+    def counted(gmsh, script):
+        scripts.append(script)
+        run(gmsh, script)
+
+    monkeypatch.setattr(generate, "run_script", counted)
+    first, second = (crossover.build(catalogue.load("S-731"), size=SIZE) for _ in range(2))
+    first.points[0] += 1e-3
+    assert_allclose(second.points[0], first.points[0] - 1e-3, atol=1e-12)
+    crossover.build(catalogue.load("S-728"), size=SIZE)
+    assert len(scripts) == 2
+    assert scripts[0] == first.script
+    with pytest.raises(ValueError, match="read-only"):
+        of_script(first.script, "S-731").points[0] = 0.0
 
 
 def test_places_do_not_depend_on_the_numbers_that_gmsh_gives():
