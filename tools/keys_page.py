@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from fabrics.base.schema import Table, entries, tables, unit_of, unread, with_tables
+from fabrics.base.schema import Table, entries, tables, unit_of, unread, with_tables, without_place
 from weavecell.results import keys, one_table
 from weavecell.results.result_folder import KINDS
 from weavecell.scenes.coupon import CouponScene
@@ -130,12 +130,17 @@ def about(table: type[Table]) -> list[str]:
 
 
 def _exceptions(key, model):
-    """{"Ignored by", "Refused by": commands} of a key; those of [fabric] are also keys of coupons."""
+    """{"Ignored by", "Refused by", "Told as left out by": commands} of a key; those of [fabric] are also
+    keys of coupons."""
     both = key.startswith("fabric.")
-    found: dict[str, list[str]] = {"Ignored by": [], "Refused by": []}
+    kinds = ("Ignored by", "Refused by", "Told as left out by")
+    found: dict[str, list[str]] = {kind: [] for kind in kinds}
     for name, reader in COMMANDS.items():
         if not both and (name == "coupon") != (model is CouponScene):
             continue
+        told = without_place(model, reader)
+        if any(part in told for part in with_tables(key)):
+            found["Told as left out by"].append(name)
         words = unread(model, reader)
         stands = [words[part] for part in with_tables(key) if part in words]
         if any(stands):
