@@ -12,7 +12,16 @@ from tests.weavecell.session_runs import make, run_in
 @pytest.fixture(scope="session")
 def results(shared):
     """The run of a name of `session_runs.RUNS`, made once for all processes of a session."""
-    return lambda name: run_in(shared(f"run-{name}", partial(make, name)))
+    from weavecell.report import pictures
+
+    render = pictures.render
+
+    def drawn(name, folder):
+        # its own pictures, whatever `drawn_once` has put there
+        with mock.patch.object(pictures, "render", render):
+            make(name, folder)
+
+    return lambda name: run_in(shared(f"run-{name}", partial(drawn, name)))
 
 
 @contextmanager

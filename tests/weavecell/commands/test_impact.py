@@ -60,7 +60,7 @@ def small_scene(outputs, extra=""):
 
 @pytest.mark.parametrize("name", ["impact", "pack"])
 def test_a_resumed_run_is_the_uninterrupted_one(
-    command, succeed, results, interrupted, tmp_path, name
+    command, succeed, results, drawn_once, interrupted, tmp_path, name
 ):
     whole = results(name).folder
     again = tmp_path / "again"
