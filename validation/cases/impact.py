@@ -124,6 +124,7 @@ def setup(
     bar_of: str | None = None,
     unchecked: Values | None = None,
     contact: Values | None = None,
+    ply_points: int | None = None,
     pinned_zone: bool = False,
     nose_friction: float | str = noses.THESIS,
     **keywords: Any,
@@ -140,6 +141,7 @@ def setup(
     bar_of : metal of an elastic-plastic bar along the axis (`as_bar`), in place of a rigid projectile
     unchecked : fields of Numerics, which are not checked
     contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
+    ply_points : contact points between plies along each side of an element, with the laws of the fabrics
     pinned_zone : whether the crossings of resolved yarns are pinned: their friction is infinite
     nose_friction : [-] where `projectile` gives none, or "assumed" (`noses`)
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
@@ -157,6 +159,8 @@ def setup(
     with warnings.catch_warnings(action="ignore"):  # notes of openings that follow yarns
         made = replace(wc.setup(struck, velocity, **keywords), **own)
     made = noses.with_friction(made, nose_friction)
+    if ply_points is not None:
+        made = replace(made, contact=PlyContact(points=ply_points))
     if bar_of is not None:
         body = as_bar(made.projectile, metals.load(bar_of), made.strike_velocity)
         made = replace(made, projectile=replace(made.projectile, body=body))
