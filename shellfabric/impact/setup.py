@@ -101,8 +101,8 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     history : histories.HistoryRequest, what to record along yarns and at the edges; None for
         nothing
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
-    instead : YarnZone of yarns that are resolved if a run with pinned ones says that these are not
-        enough; what cannot choose refuses it (`target`)
+    instead : YarnZone of yarns that are resolved if friction may not hold pinned ones;
+        what cannot choose refuses it (`target`)
     ply_friction : [-] Coulomb's coefficient between plies
     strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
     contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes

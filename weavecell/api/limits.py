@@ -134,8 +134,7 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
         return size.with_choice(self.target.setup, fired, scene=panel.scene)
 
     def run(self, running: Running) -> CriticalVelocityResult:
-        """Search the limit, with the yarns that the checks choose, and the range over what is
-        assumed."""
+        """Search the limit, with the yarns that friction chooses, and the range over what is assumed."""
         from weavecell.studies import assumed_range as ranges
         from weavecell.studies import choice
 
@@ -358,7 +357,7 @@ def _refuse_wide(width, tolerance, setup):
     """Refuse a tolerance [m/s] as wide as the limit is likely to be high, below which no shot is fired."""
     from weavecell.studies.ballistic_limit import first_guess
 
-    # with yarns that the checks choose the search begins pinned
+    # with yarns that friction chooses the search begins pinned
     guess = first_guess(replace(setup, instead=None).target())
     if width >= guess:
         allowed = f"below {guess:.0f} m/s, where the search for this limit begins"

@@ -202,15 +202,12 @@ class RunSize(_Size):
         from weavecell.studies import choice, model_choice
 
         if setup.instead is not None:
-            chosen = choice.choose(setup, setup.strike_velocity, ())
-            if chosen.resolved:  # the friction of the yarns decides before the run
-                resolved = choice.with_resolved(setup)
-                notes = *notes, str(chosen)
-                words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
-                return cls.estimate(resolved, title, notes, written, **words)
-            again = cls.estimate(choice.with_resolved(setup), title, (), written)
-            setup = choice.with_pinned(setup)
-            notes = (*notes, f"if the checks ask for resolved yarns, another {again.cost}")
+            chosen = choice.choose(setup, setup.strike_velocity)
+            notes = *notes, str(chosen)
+            if chosen.resolved:
+                setup = choice.with_resolved(setup)
+            else:
+                setup = choice.with_pinned(setup)
         pack = check_impact(setup, written=written)
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
@@ -350,8 +347,8 @@ class StudySize(_Size):
     searches : of a limit, of `shots_of_a_search` each
     cpu_time : (lowest, highest) [s]
     of_range : shots that the range over what is assumed adds, with those of its searches
-    resolved : size of the same with resolved yarns, which is added if the checks ask for them; None
-        if they cannot
+    resolved : size of the same with resolved yarns, which is added if friction may not hold
+        pinned ones; None where nothing is to be chosen
     foreseen, said : of RunSize, of its shots
     more : size of the runs that follow if the first ones do not agree; None if none do
 
@@ -415,7 +412,7 @@ class StudySize(_Size):
 
     def with_choice(self, setup: ImpactSetup, shots: int, **words: Any) -> StudySize:
         """Return the size with that of `shots` and one search with resolved yarns beside it, if the
-        set-up leaves the choice to the checks.
+        set-up leaves the choice to their friction.
 
         Parameters
         ----------
@@ -472,7 +469,7 @@ class StudySize(_Size):
                 "assumed, which can be left out"
             )
         if self.resolved is not None:
-            lines.append(f"if the checks ask for resolved yarns, another {self.resolved.cost}")
+            lines.append(f"if friction may not hold pinned yarns, another {self.resolved.cost}")
         if self.more is not None:
             shots = counted(self.more.shots, "shot")
             lines.append(f"if these do not agree, about {shots} more; {self.more.cost}")

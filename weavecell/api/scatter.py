@@ -94,7 +94,7 @@ class V50Plan(Plan["V50Result"]):
 
         setup = self.target.setup
         searches, repeated = self._count_range(self.over)
-        # where the checks choose, pinned yarns come first
+        # where friction chooses, pinned yarns come first
         whole = analysis.as_fired(choice.with_pinned(setup))
         fired = self.shots + repeated
         words: dict[str, Any] = {"scene": self.target.scene, "drawn": True}
@@ -102,7 +102,7 @@ class V50Plan(Plan["V50Result"]):
         return size.with_choice(setup, self.shots, **words)
 
     def run(self, running: Running) -> V50Result:
-        """Fire at the yarns that the checks choose, and search the range over what is assumed."""
+        """Fire at the yarns that friction chooses, and search the range over what is assumed."""
         from weavecell.studies import v50 as analysis
 
         with running.count(f"{self.target.title}, repeated shots") as part:
@@ -146,9 +146,7 @@ class V50Plan(Plan["V50Result"]):
         setup = panel.setup
         if setup.instead is None:
             return panel, self.over, ""
-        found = analysis.choose_yarns(
-            setup, self.scatter, batch=self.batch, seed=self.seed, **running.cache
-        )
+        found = analysis.choose_yarns(setup, **running.cache)
         fired_at = choice.with_pinned(setup)
         if found.resolved:
             fired_at = choice.with_resolved(setup)

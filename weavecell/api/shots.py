@@ -114,7 +114,7 @@ class ShotPlan(Plan["ShotResult"]):
 
     @property
     def chooses(self) -> bool:
-        """Whether yarns are pinned or resolved by the checks."""
+        """Whether yarns are pinned or resolved by their friction."""
         return self.target.setup.instead is not None and self.accuracy is None
 
     @property
@@ -270,7 +270,7 @@ def impact(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
     if uncertainty and panel.setup.instead is not None:
-        allowed = "left out if the yarns are to be pinned or resolved by the checks"
+        allowed = "left out if the yarns are to be pinned or resolved by their friction"
         raise InputError(key="uncertainty", allowed=allowed)
     # a report describes the panel by what was built from an input file
     if panel.case is None and out is not None:
@@ -348,28 +348,21 @@ class Shooting:
         return shot_of(used, shot.result, message, target=used, **more), shot.failure
 
     def choose_yarns(self) -> tuple[ShotResult, UnstableError | None]:
-        """Fire as `fire`, with resolved yarns if their friction may not hold them, which needs no run to be known;
-        else with pinned ones, and again with resolved ones if these unzip."""
+        """Fire as `fire`: with pinned yarns if their friction holds them, else with resolved ones."""
         from weavecell.studies import choice
 
         setup = self.target.setup
-        resolved = choice.with_resolved(setup)
-        more = RunSize.estimate(resolved, self.target.shot_title)
-        chosen = choice.choose(setup, setup.strike_velocity, ())
-        why = str(chosen)
-        if not chosen.resolved:
-            pinned = replace(self.target, setup=choice.with_pinned(setup))
-            shot = self.shoot(pinned.setup)
-            if shot.failure is not None:
-                return self._result(shot, pinned)
-            chosen = choice.choose(setup, setup.strike_velocity, shot.result.checks)
-            if not chosen.resolved:
-                return self._result(shot, pinned, chosen=str(chosen))
-            left = f"{shot.result.residual_velocity:.1f} m/s"
-            why = f"{chosen} (pinned yarns: {shot.result.outcome}, {left})"
-        logging.getLogger("weavecell").info(f"{why}; {more.cost} at most")
-        target = replace(self.target, setup=resolved)
-        return self._result(self.shoot(resolved, mesh="resolved yarns"), target, chosen=why)
+        chosen = choice.choose(setup, setup.strike_velocity)
+        if chosen.resolved:
+            used = choice.with_resolved(setup)
+            mesh = "resolved yarns"
+        else:
+            used = choice.with_pinned(setup)
+            mesh = ""
+        size = RunSize.estimate(used, self.target.shot_title)
+        logging.getLogger("weavecell").info(f"{chosen}; {size.cost} at most")
+        target = replace(self.target, setup=used)
+        return self._result(self.shoot(used, mesh=mesh), target, chosen=str(chosen))
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.

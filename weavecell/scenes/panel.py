@@ -344,8 +344,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         one_of(
             "whether warp and weft are pinned to each other where they cross, or are resolved yarns in a zone about "
             "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md)); auto "
-            "runs them pinned, and resolved if the checks of that run say that the nose may part them or that they "
-            "unzip (a shot, a limit, a V50)",
+            "takes them pinned where their friction is known to hold them, else resolved (a shot, a limit, a V50)",
             "pinned",
             "yarns",
             "auto",

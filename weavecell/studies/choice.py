@@ -1,14 +1,13 @@
-"""Decide between pinned and resolved yarns by the checks of runs with pinned ones (`crossovers =
-"auto"`).
+"""Decide between pinned and resolved yarns by their friction (`crossovers = "auto"`).
 
-Pinned yarns are enough unless the nose would push them aside, since their friction is below
-`yarns.holding.friction_to_hold`, or unless they unzip (the check "unzipping"). Then the yarns about
-the nose are resolved, at the cost of a second run.
+Pinned yarns are enough where their friction is known to hold them: where it is at least the upper end of
+`yarns.holding.friction_to_hold`. Elsewhere, and where no such range is known, the yarns about the nose are
+resolved. No run has to be made to know it of a shot; of a limit, a search with pinned yarns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,6 @@ from shellfabric.yarns.model import aim
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.indicator import Indicator
     from weavecell.studies.ballistic_limit import Limit
 
 
@@ -39,8 +37,8 @@ class Choice:
 
 
 def with_pinned(setup: ImpactSetup) -> ImpactSetup:
-    """Return the set-up with pinned yarns, which are tried first and judged by the friction of the
-    resolved ones; one that leaves no choice as it is."""
+    """Return the set-up with pinned yarns, which are judged by the friction of the resolved ones; one
+    that leaves no choice as it is."""
     zone = setup.instead
     if zone is None:
         return setup
@@ -48,8 +46,8 @@ def with_pinned(setup: ImpactSetup) -> ImpactSetup:
 
 
 def with_resolved(setup: ImpactSetup) -> ImpactSetup:
-    """Return the set-up with resolved yarns, which follow if pinned ones are not enough: the whole
-    panel, struck beside a crossover unless an impact point is given."""
+    """Return the set-up with resolved yarns: the whole panel, struck beside a crossover unless an impact
+    point is given."""
     zone = setup.instead
     assert zone is not None
     point = setup.impact_point
@@ -58,25 +56,17 @@ def with_resolved(setup: ImpactSetup) -> ImpactSetup:
     return replace(setup, crossovers=zone, instead=None, impact_point=point, symmetry="whole")
 
 
-def choose(
-    setup: ImpactSetup, velocity: float, indicators: Iterable[Indicator], at: str = ""
-) -> Choice:
+def choose(setup: ImpactSetup, velocity: float, at: str = "") -> Choice:
     """Choose between pinned and resolved yarns.
 
     Parameters
     ----------
     setup : set-up with `instead`
     velocity : [m/s] of the strike
-    indicators : checks of the shots with pinned yarns
     at : words that follow the velocity, such as that it is a limit
     """
     zone = setup.instead
     assert zone is not None
-    for one in indicators:
-        if one.name == "unzipping" and one.doubtful:
-            return Choice(
-                True, f"pinned ones unzip, {one.number} times those under the nose are cut"
-            )
     if not all(fabric.weave.pattern.is_plain for fabric in setup.fabrics):
         return Choice(True, "the friction that holds pinned ones is known of plain weaves alone")
     panels = with_pinned(setup).plain_panels()
@@ -84,8 +74,7 @@ def choose(
     if needed is None:
         # a nose wider than those of the bisections, or a block behind the fabric
         return Choice(
-            False,
-            "none unzip; with this nose and backing the friction that holds them is not known",
+            True, "with this nose and backing the friction that holds pinned ones is not known"
         )
     low, high = needed
     theirs = f"{zone.friction:g}{_assumed_span(zone)}"
@@ -95,16 +84,14 @@ def choose(
 
 
 def choose_by_limit(setup: ImpactSetup, found: Limit) -> Choice:
-    """Choose between pinned and resolved yarns by a limit with pinned ones, from the checks of the
-    shots at the ends of its bracket.
+    """Choose between pinned and resolved yarns at the velocity of a limit with pinned ones.
 
     Parameters
     ----------
     setup : set-up with `instead`
     found : limit with pinned yarns
     """
-    ends = [one for shot in found.ends for one in shot.checks]
-    chosen = choose(setup, found.velocity, ends, ", the limit of pinned ones,")
+    chosen = choose(setup, found.velocity, ", the limit of pinned ones,")
     if not chosen.resolved:
         return chosen
     return replace(chosen, why=f"{chosen.why} (limit of pinned yarns {found.velocity:.1f} m/s)")

@@ -28,7 +28,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics.base import run_cache
-from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UndecidedError, UnstableError, WeavecellError
 from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
@@ -349,35 +348,18 @@ def study(
     return Study(bracket, counted, curves, scatter, failures)
 
 
-def choose_yarns(
-    setup: ImpactSetup,
-    scatter: Scatter,
-    *,
-    batch: int,
-    seed: int = 1,
-    tolerance: float = 1.0,
-    **runs: Any,
-) -> Choice:
-    """Choose between pinned and resolved yarns.
-
-    The limit without scatter decides; if it does not ask for resolved yarns, the first round of
-    shots. Both are those of `study` with pinned yarns, which finds them in its folder.
+def choose_yarns(setup: ImpactSetup, *, tolerance: float = 1.0, **runs: Any) -> Choice:
+    """Choose between pinned and resolved yarns by the limit without scatter, that of `study` with pinned
+    yarns, which finds it in its folder.
 
     Parameters
     ----------
     setup : set-up with `instead`
-    others : as in `study`
+    tolerance, runs : as in `study`
     """
     pinned = choice.with_pinned(setup)
     (limit,) = run_cache.results(deterministic, [(_as_fired(pinned), tolerance)], **runs)
-    chosen = choice.choose_by_limit(setup, limit)
-    if chosen.resolved:
-        return chosen
-    look = study(pinned, scatter, shots=batch, batch=batch, seed=seed, tolerance=tolerance, **runs)
-    unzipped = sum("unzipping" in shot.doubtful for shot in look.shots)
-    if not unzipped:
-        return chosen
-    return Choice(True, f"pinned ones unzip in {unzipped} of the first {counted(batch, 'shot')}")
+    return choice.choose_by_limit(setup, limit)
 
 
 def _as_fired(setup):
