@@ -579,7 +579,6 @@ class PackSolver(ExplicitSolver):
             "contact/guard": self.contact.guard,
             "stack": self.stack,
             "monitor": self.monitor.found,
-            "slipping": self.monitor.slipping,
             "coarse depth": self.monitor.coarse_depth,
             "fastest nodes": self.monitor.fastest,
         }

@@ -17,20 +17,17 @@ import numpy as np
 
 from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import FloatArray
-from shellfabric.membrane import coarse_fabric, unzipping
+from shellfabric.membrane import coarse_fabric
 from shellfabric.membrane.indicator import Check, Indicator
 
 _T = ("T1", "T2")
 EVERY = 4  # samples of the solver from one sample to the next: a sample costs a third of a step
 LIGHT = 0.03  # of the strength: tensions below it count as it
-SLIPPING = 0.5  # [-] share of the loaded crossings that would slip, from which on yarns may unzip
-RECOIL = 0.3  # [-] share of the absorbed energy that viscosity takes after the first failure, from which on they may
 # [-] share of the cuts after the echo from which on a bullet is doubtful: bullets are fired at free packs,
 # fragments at plies in a frame, whose echo is a part of the test
 ECHO_OF_A_BULLET = 0.5
 # [radii] that a bullet of metal has moved while it still cuts plies, about; four shots at packs of S-728
 CUTS_WITHIN = 4.0
-LEAST_LOADED = 100  # crossings, of which a share says something
 
 # what each check is, declared once: messages, results and pages (`tools/pages.py`) take it from here
 _CHECKS = (
@@ -242,14 +239,6 @@ _CHECKS = (
         "smaller elements under the nose",
     ),
     Check(
-        "unzipping",
-        1.5,
-        "pinned yarns unzip, since a cut one hands its whole tension to the next at once: "
-        "cut yarns over those under the nose, counted if over half of the loaded "
-        "crossings would slip and viscosity took over 30 % afterwards",
-        "compare with {resolved yarns}",
-    ),
-    Check(
         "yarns past the next ply",
         0.01,
         "nodes of resolved yarns that were half a thickness or more behind the next ply, "
@@ -375,8 +364,7 @@ class Monitor:
     """Samples of a run, taken with the solver's own, reduced to sums and maxima.
 
     Tension oscillation and ply penetration are sampled until the first yarn fails: what unloads
-    then rings, and torn fabric hangs in other fabric, without an error. From then on it is sampled
-    which crossings of pinned yarns would slip (`membrane.unzipping`): before, hardly any would.
+    then rings, and torn fabric hangs in other fabric, without an error.
 
     Parameters
     ----------
@@ -387,7 +375,6 @@ class Monitor:
     found : (plies, 3) sums over samples, nodes and the band of yarns about the impact point of the
         squares of the node-to-node alternation of the tension and of the tension [N2]; furthest
         that the ply and those behind it have closed, over the thickness [-]
-    slipping : (plies,) [-] largest share of the loaded crossings of a ply that would slip
     coarse_depth : (plies,) [m] deepest that fabric from beyond the fine mesh has been in the
         projectile
     fastest : (plies,) [m/s] fastest node along the flight so far, of a ply that has not torn
@@ -395,7 +382,6 @@ class Monitor:
 
     def __init__(self, solver: Any) -> None:
         self.found = np.zeros((len(solver.plies), 3))
-        self.slipping = np.zeros(len(solver.plies))
         self.coarse_depth = np.zeros(len(solver.plies))
         self.fastest = np.zeros(len(solver.plies))
         plies = solver.pack.plies
@@ -416,7 +402,6 @@ class Monitor:
             return
         self._sample_coarse_fabric(solver)
         if any(state.failures for state in solver.states):
-            self._sample_slip(solver)
             return
         for (_, const, state), row, (i, j), light in zip(
             solver.plies, self.found, self._places, self._light
@@ -431,13 +416,6 @@ class Monitor:
             if panel.sides is not None:
                 depth = coarse_fabric.depth_in_nose(panel, const, state)
                 self.coarse_depth[p] = max(self.coarse_depth[p], depth)
-
-    def _sample_slip(self, solver):
-        """Keep the largest share of the crossings of each torn ply that would slip."""
-        for p, (panel, const, state) in enumerate(solver.plies):
-            if state.failures and "F" in panel.table.values:
-                slip, loaded = unzipping.slipping_crossings(panel, const, state)
-                self.slipping[p] = max(self.slipping[p], slip / max(loaded, LEAST_LOADED))
 
     @property
     def oscillation(self) -> float:
@@ -500,7 +478,6 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         indicator("tension oscillation", solver.monitor.oscillation),
         indicator("nose penetration", depth / nose),
         *worst(_mesh(ply, ply_const, broken) for ply, ply_const, _ in solver.plies),
-        *_unzipping(solver, cut_yarns, energies),
         *_echo(solver, cut_yarns),
         *_path(solver),
         *_coarse_fabric(solver),
@@ -514,29 +491,6 @@ def of_solver(solver: Any) -> tuple[Indicator, ...]:
         ahead = float(solver.monitor.fastest.max()) / solver.strike_velocity
         found.append(indicator("node ahead of the strike", ahead))
     return tuple(found)
-
-
-def _unzipping(solver, cut_yarns, energies):
-    """The indicator of pinned yarns that are cut one by one: [] of a run without a cut pinned yarn.
-
-    It counts a ply in which more than SLIPPING of the loaded crossings would slip, in a run whose
-    viscosity took more than RECOIL of the energy absorbed after the first failure: recoil of yarns that are cut
-    far from the nose.
-    """
-    if solver.replaces_membrane or not cut_yarns[-1] > 0:
-        return []
-    kinetic = energies["kinetic_projectile"]
-    absorbed = max(kinetic[0] - kinetic[-1], 1e-3 * kinetic[0])
-    recoil = split_viscous(cut_yarns, energies)[1] / absorbed
-    slipping = solver.monitor.slipping
-    struck = np.array([unzipping.yarns_under_the_nose(panel) for panel in solver.pack.plies])
-    ratios = solver.ply_sample("cut_yarns")[-1] / struck
-    speaks = (slipping > SLIPPING) & (recoil > RECOIL)
-    found = indicator("unzipping", float(ratios.max(where=speaks, initial=0.0)))
-    words = f"cut over struck yarns {ratios.max():.1f}, {100 * slipping.max():.0f} % of the loaded crossings would "
-    words += f"slip with friction {solver.panel.friction_between_yarns:g}, "
-    words += f"viscosity took {100 * recoil:.0f} % after the first failure"
-    return [replace(found, meaning=f"{found.meaning}; {words}")]
 
 
 def foresee(pack: Any, strike_velocity: float, pinned: bool = True) -> tuple[Indicator, ...]:

@@ -233,5 +233,6 @@ def test_a_drawn_shot_says_its_checks():
     of = (1, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (0.0, 0.0), 0.01)
     assert v50.Shot(*of).checks == "ok"
     assert (
-        v50.Shot(*of, ("unzipping", "energy error")).checks == "doubtful: unzipping, energy error"
+        v50.Shot(*of, ("cut outside the zone", "energy error")).checks
+        == "doubtful: cut outside the zone, energy error"
     )

@@ -54,8 +54,8 @@ def test_doubts_are_printed_and_shown(shot):
 
     from shellfabric.membrane.quality import indicator
 
-    words = "checks: doubtful: unzipping 4.2"
-    doubted = replace(shot, checks=(*shot.checks, indicator("unzipping", 4.2)))
+    words = "checks: doubtful: cut outside the zone 0.42"
+    doubted = replace(shot, checks=(*shot.checks, indicator("cut outside the zone", 0.42)))
     assert words in str(doubted)
     assert words.partition(": ")[2] in doubted._repr_html_().replace("</abbr>", "")
     assert "checks: " not in str(shot)
