@@ -26,7 +26,7 @@ a point has had since it touched, and rises along it up to d' again:
     p(d' - (d' - d) / e),     d < d'                                                    (3)
 
 It is the law drawn together towards d', so that of the energy that closing took the share e comes
-back, whatever the law (`fabrics.plies_give_back`), and plies stay closed by 1 - e of d' without a
+back, whatever the law (`ply_resilience` of a fabric), and plies stay closed by 1 - e of d' without a
 pressure. There the damper is off too. A point that leaves forgets d', as it forgets what it jumped by:
 nothing else is remembered.
 
