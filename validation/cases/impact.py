@@ -19,6 +19,7 @@ from fabrics import metals, ply_laws
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.fabric import Fabric
 from fabrics.materials import Isotropic
+from fabrics.pattern import Pattern
 from fabrics.variants import scale_laws, scale_yarns, with_failure_length
 from shellfabric.impact.run import run_impact, run_impact_or_partial
 from shellfabric.loop.pack_solver import PackSolver
@@ -80,6 +81,7 @@ def changed(
     crossovers: int = 1,
     straight: bool = False,
     failure_length: float | None = None,
+    pattern: str = "",
 ) -> Fabric:
     """Change a fabric for comparison.
 
@@ -92,6 +94,7 @@ def changed(
     crossovers : along each side, for which one of thicker yarns stands (`variants.homogenised`)
     straight : whether the yarns have next to no crimp
     failure_length : [m]
+    pattern : of the weave in which the same yarns cross, with the same crimps
     """
     factors = {"linear_density": mass} | dict(yarns or {})
     fabric = scale_yarns(fabric, **factors)
@@ -110,6 +113,8 @@ def changed(
         fabric = fabric.with_yarns(crimp=variants.NEARLY_STRAIGHT)
     if failure_length is not None:
         fabric = with_failure_length(fabric, failure_length)
+    if pattern:
+        fabric = variants.with_pattern(fabric, Pattern.read(pattern))
     if crossovers > 1:
         fabric = variants.homogenised(fabric, crossovers)
     return fabric
@@ -127,6 +132,7 @@ def setup(
     ply_points: int | None = None,
     pinned_zone: bool = False,
     nose_friction: float | str = noses.THESIS,
+    whole_zone: bool = False,
     **keywords: Any,
 ) -> ImpactSetup:
     """Build the set-up of a shot.
@@ -144,6 +150,7 @@ def setup(
     ply_points : contact points between plies along each side of an element, with the laws of the fabrics
     pinned_zone : whether the crossings of resolved yarns are pinned: their friction is infinite
     nose_friction : [-] where `projectile` gives none, or "assumed" (`noses`)
+    whole_zone : whether all yarns of the panel are resolved
     keywords : of `weavecell.setup`, and NOT_IN_A_FILE; one thread, where none is given
     """
     struck: Any = fabric
@@ -169,6 +176,8 @@ def setup(
         made = replace(made, numerics=Unchecked(**given | dict(unchecked)))
     if pinned_zone:
         made = replace(made, crossovers=replace(made.crossovers, friction=inf))
+    if whole_zone:
+        made = replace(made, crossovers=replace(made.crossovers, half_width=inf))
     if mesh == "coarser":
         return replace(made, elements_per_crossover=1)
     if mesh == "finer":

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
+from fabrics.pattern import Pattern
 from fabrics.variants import Value, scale_laws, scale_shear, scale_yarns, with_shear, with_solids
 
 NEARLY_STRAIGHT = (
@@ -26,6 +27,11 @@ def with_law_form(fabric: Fabric, form: str) -> Fabric:
         raise InputError(f"fabric {fabric.name} has no compression law")
     warp, weft = (replace(law, form=form) for law in fabric.laws)
     return replace(fabric, laws=(warp, weft))
+
+
+def with_pattern(fabric: Fabric, pattern: Pattern) -> Fabric:
+    """Return the fabric with the same yarns, spacings and crimps in another pattern."""
+    return replace(fabric, weave=replace(fabric.weave, pattern=pattern))
 
 
 def homogenised(fabric: Fabric, n: float) -> Fabric:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from yarn_patches import energy, free_zone, march
+from yarn_patches import energy, free_zone
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
@@ -16,6 +16,7 @@ from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns import zone_kernels
 from shellfabric.yarns.model import YarnZone, aim
 from shellfabric.yarns.patch import YarnPatch
+from validation.cases.weaves import compare_with_cell
 from weavecell.studies.strengths import draw_aim
 
 BASE = catalogue.load("S-728")
@@ -64,30 +65,10 @@ def test_a_patch_at_rest_has_no_forces_and_the_crimp_of_its_yarns(weave):
 @pytest.mark.parametrize("weave", ["basket 2x2", "twill 2/2"])
 def test_tensions_of_a_patch_are_those_of_the_cell_within_7_percent(weave):
     """12 x 12 pinned crossings led apart, unlike along warp and weft; compared in the middle repeat."""
-    made = patch(weave, (12, 12), friction=np.inf, failure=False, viscosity=0.3)
-    zone = made.arrays(0.5 * made.critical_step)
-    tied = zone.tied_node
-    steps = 6000
-    apart = zone.x[:, tied] - zone.x[:, tied].mean(axis=1, keepdims=True)
-    stretch = np.array([0.028, 0.016, 0.0])
-    zone.v[:, tied] = apart * stretch[:, None] / (steps * zone.dt)
-    march(zone, steps)
-    zone.v[:, tied] = 0.0
-    march(zone, 4000)
-    yarns, own = slice(4, 8), slice(10, 18)
-    tensions, stretches = [], []
-    for family in range(2):
-        shape = zone.yarns[family], zone.nodes[family]
-        first = zone.first[family]
-        of_family = slice(first, first + np.prod(shape))
-        tensions.append(zone.tension[of_family].reshape(shape)[yarns, own].mean())
-        place = zone.x[family, of_family].reshape(shape)[yarns]
-        length = place[:, own.stop] - place[:, own.start]
-        stretches.append(length.mean() / (4 * made.spacing[family]))
-    cell = CellModel(made.model.fabric).solve(*stretches)
-    assert zone.tangled == 0
-    assert tensions[0] == pytest.approx(float(cell["T1"]), rel=0.07)
-    assert tensions[1] == pytest.approx(float(cell["T2"]), rel=0.07)
+    found = compare_with_cell(woven(weave), [0.028, 0.016], first=(-3, 5))
+    assert found["tangled"] == 0
+    assert found["warp"] == pytest.approx(1, rel=0.07)
+    assert found["weft"] == pytest.approx(1, rel=0.07)
 
 
 def test_yarns_of_a_group_come_as_close_as_a_diameter_and_others_leave_room_for_a_yarn():
