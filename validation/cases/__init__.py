@@ -20,6 +20,7 @@ MODULES = (
     "peers",
     "series",
     "solid",
+    "weaves",
 )
 
 
@@ -66,6 +67,8 @@ def _module(name):
             from validation.cases import series as module
         case "solid":
             from validation.cases import solid as module
+        case "weaves":
+            from validation.cases import weaves as module
         case _:
             return None
     return module
