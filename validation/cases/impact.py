@@ -177,7 +177,7 @@ def setup(
     if pinned_zone:
         made = replace(made, crossovers=replace(made.crossovers, friction=inf))
     if whole_zone:
-        made = replace(made, crossovers=replace(made.crossovers, half_width=inf))
+        made = replace(made, crossovers=made.crossovers.whole)
     if mesh == "coarser":
         return replace(made, elements_per_crossover=1)
     if mesh == "finer":
