@@ -32,11 +32,12 @@ LARGEST_GROUP = 6
 LARGEST_REPEAT = 24
 _PLAIN = re.compile(r"(plain|tabby|linen)( weave)?( 1/1)?|1/1( plain)?( weave)?")
 _NUMBERS = r"(\d+) ?[x/] ?(\d+)"
-_BASKET = re.compile(rf"(?:basket|matt|panama|hopsack)(?: weave)? {_NUMBERS}")
+_BASKET = re.compile(rf"(?:basket|matt|panama|hopsack)(?: ?weave)? {_NUMBERS}")
 _TWILL = re.compile(rf"twill(?: weave)? {_NUMBERS}")
 _SATIN = re.compile(r"satin(?: weave)? (\d+)(?: step (\d+))?")
-_HARNESS = re.compile(r"(\d+) ?-?(?:hs|h satin|harness satin|shaft satin|end satin)(?: weave)?")
-_FIRST_NUMBERS = re.compile(rf"{_NUMBERS} (basket|matt|panama|hopsack|twill)(?: weave)?")
+_HARNESS = re.compile(r"(\d+)[ -]{0,3}(?:hs|(?:h|hs|harness|shaft|end)[ -]satin)(?: weave)?")
+_TWILL_OF_HARNESSES = re.compile(r"(\d+)[ -]{0,3}(?:h|hs|harness|shaft|end)[ -](.*twill.*)")
+_FIRST_NUMBERS = re.compile(rf"{_NUMBERS} (basket|matt|panama|hopsack|twill)(?: ?weave)?")
 _CROWFOOT = re.compile(r"(crow ?foot|crow'?s ?foot)( satin)?( weave)?|satin 4")
 _ROWS = re.compile(r"[+-]+(/[+-]+)+")
 
@@ -73,6 +74,8 @@ class Pattern:
         InputError : no pattern, or one in which a yarn never changes sides
         """
         words = " ".join(re.split(r"[\s_,;()]+", text.lower())).strip()
+        if found := _TWILL_OF_HARNESSES.fullmatch(words):
+            return cls._twill_of_harnesses(int(found[1]), found[2], text)
         if found := _FIRST_NUMBERS.fullmatch(words):
             words = f"{found[3]} {found[1]}/{found[2]}"
         if found := _HARNESS.fullmatch(words):
@@ -109,6 +112,19 @@ class Pattern:
             raise cls._refused(f"a twill such as 2/2, over 3 to {LARGEST_REPEAT} yarns", text)
         place = np.arange(repeat) - np.arange(repeat)[:, None]
         return cls._of(place % repeat < over, f"twill {over}/{under}")
+
+    @classmethod
+    def _twill_of_harnesses(cls, harnesses, words, text):
+        """The twill of words behind a number of harnesses, which is that of its repeat."""
+        if re.search(_NUMBERS, words) is None:
+            likely = f"twill {harnesses - 1}/1"
+            if harnesses % 2 == 0:
+                likely += f" or twill {harnesses // 2}/{harnesses // 2}"
+            raise cls._refused(f"more than the number of harnesses, such as {likely}", text)
+        twill = cls.read(words)
+        if len(twill.rows) != harnesses:
+            raise cls._refused(f"{twill.name} of {len(twill.rows)} harnesses", text)
+        return twill
 
     @classmethod
     def _satin(cls, repeat, step, text):

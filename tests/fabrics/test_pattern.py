@@ -70,6 +70,11 @@ def own(tmp_path):
         ("matt 1/2", "++--/--++"),
         ("Twill 2x1", "++-/-++/+-+"),
         ("2/2 twill", "++--/-++-/--++/+--+"),
+        ("4-harness 2/2 twill", "++--/-++-/--++/+--+"),
+        ("4 H Twill 1x3", "+---/-+--/--+-/---+"),
+        ("Basketweave (2 x 1)", "+-/+-/-+/-+"),
+        ("5-HS Satin", "-++++/++-++/++++-/+-+++/+++-+"),
+        ("4-harness satin", "-+++/++-+/+++-/+-++"),
         ("5HS", "-++++/++-++/++++-/+-+++/+++-+"),
         ("crow's foot", "-+++/++-+/+++-/+-++"),
     ],
@@ -101,6 +106,19 @@ def test_what_is_no_weave_is_refused(text):
     with pytest.raises(InputError) as refused:
         Pattern.read(text)
     assert refused.value.key == "weave"
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("4-harness twill", "twill 3/1 or twill 2/2"),
+        ("5 harness 2/2 twill", "must be twill 2/2 of 4 harnesses"),
+        ("leno", "satin 5"),
+    ],
+)
+def test_a_number_of_harnesses_alone_is_no_twill_and_one_beside_it_is_its_repeat(text, words):
+    with pytest.raises(InputError, match=words):
+        Pattern.read(text)
 
 
 def test_a_rotation_is_undone_by_three_more_and_turns_the_line_of_a_twill():

@@ -48,7 +48,7 @@ NAMES = {
         "strain to failure",
         "yarn elongation",
     ),
-    "strength": ("yarn strength", "yarn breaking force", "yarn break load"),
+    "strength": ("tensile strength", "yarn strength", "yarn breaking force", "yarn break load"),
     "tenacity": ("yarn tenacity", "breaking tenacity", "fibre tenacity", "fiber tenacity"),
     "breaking_strength": (
         "strip strength",
@@ -99,6 +99,8 @@ DESCRIPTIONS = (
     "roll width",
     "roll length",
 )
+# of a number if the cell begins with one, else of the name of the yarn
+NAME_OR_NUMBER = ("yarn",)
 WEAVE = "weave", "weave pattern", "pattern", "weave style", "binding"
 
 
@@ -131,13 +133,18 @@ def named(
             if cells["warp"].strip():  # a cell that says nothing states no weave
                 yield line, cells | {"key": "weave"}
             continue
-        if title in DESCRIPTIONS:
+        if title in DESCRIPTIONS or _is_name(title, cells["warp"]):
             LOG.info(f"{path}: left out, {line}: {written} {cells['warp']}".rstrip())
             continue
         key = titles[title]
         if title != key.replace("_", " "):
             LOG.info(f"{path}: {line}: {written} is taken for {key}")
         yield line, _with_unit(cells, tables.plain_unit(unit)) | {"key": key}
+
+
+def _is_name(title, text):
+    """Whether a row that may have a number says the name of the yarn."""
+    return title in NAME_OR_NUMBER and text.strip()[:1].isalpha()
 
 
 def _with_unit(cells: Mapping[str, str], unit: str) -> dict[str, str]:

@@ -108,6 +108,83 @@ def test_a_weave_of_a_sheet_is_that_of_the_fabric_file(tmp_path):
     assert 'weave = "twill 2/2"' in (tmp_path / "own.toml").read_text()
 
 
+BASKET = """
+Property;Warp;Weft
+Style;"735, ballistic";
+Weave;2 x 2 Basket;
+Yarn;Kevlar 29;
+Linear density (denier);1500;1500
+Fiber density (g/cm3);1.44;
+Modulus (g/den);555;
+Tenacity (g/den);23.0;
+Elongation at break (%);3.6;
+Ends/Picks per inch;35;34
+Thickness (mil);23.6;
+Weight (oz/yd2);14.5;
+"""
+TWILL = """
+Property;Warp;Weft
+Style;"T 170";
+Weave style;4-harness twill 3/1;
+Titre / dtex;1270;1260
+Fibre density [g/cm3];1,44;
+Modulus [GPa];112;
+Tensile strength [MPa];2900;
+Elongation at break, pct;2,4;
+Ends/Picks [1/cm];6,7;6,6
+Thickness [mm];0,29;
+Weight [g/m2];173;
+"""
+SATIN = """
+Property;Warp;Weft
+Style;181;
+Weave;8-HS Satin;
+Yarn;Kevlar 49;
+Linear density (denier);380;380
+Fiber density (g/cm3);1.44;
+Modulus (Msi);16.3;
+Tensile strength (ksi);435;
+Elongation at break (%);2.4;
+Ends/Picks per inch;50;49
+Thickness (mil);9;
+Weight (oz/yd2);5.0;
+"""
+DENIER, INCH = 1 / 9e6, 0.0254
+
+
+@pytest.mark.parametrize(
+    "printed, weave, straight, mass",
+    [
+        (BASKET, "basket 2x2", 1500 * DENIER * (35 + 34) / INCH, 0.49163),
+        (TWILL, "twill 3/1", 1270e-7 * 670 + 1260e-7 * 660, 0.173),
+        (SATIN, "satin 8", 380 * DENIER * (50 + 49) / INCH, 0.16953),
+    ],
+)
+def test_sheets_of_weaves_with_floats_have_the_mass_that_is_printed(
+    printed, weave, straight, mass, tmp_path
+):
+    """`straight` is the mass [kg/m2] without crimp, `mass` that of the sheet."""
+    (tmp_path / "sheet.csv").write_text(printed.strip(), encoding="utf-8")
+    values, _ = fabric_file.read_values(tmp_path / "sheet.csv")
+    fabric = fabric_file.Draft("own", values).write(tmp_path / "own.toml")
+    assert fabric.weave.pattern.name == weave
+    assert fabric.weave.areal_density == pytest.approx(mass, rel=0.02)
+    warp, weft = (yarn.crimp for yarn in fabric.weave.yarns)
+    assert straight * (1 + min(warp, weft)) < mass < straight * (1 + max(warp, weft))
+    assert not any("thickness over spacing" in note for note in fabric.notes)
+
+
+def test_a_row_yarn_is_a_name_or_a_linear_density(tmp_path, caplog):
+    caplog.set_level("INFO", "weavecell")
+    values = fabric_file.read_values(sheet(tmp_path, PLAIN))
+    named = {"Yarn": ("Kevlar 29", "")} | PLAIN
+    assert fabric_file.read_values(sheet(tmp_path, named)) == values
+    assert "left out, line 2: Yarn Kevlar 29" in caplog.text
+    others = {key: cells for key, cells in PLAIN.items() if key != "linear_density"}
+    numbers = {"Yarn": PLAIN["linear_density"]} | others
+    assert fabric_file.read_values(sheet(tmp_path, numbers)) == values
+
+
 def test_a_weave_of_no_pattern_is_refused(tmp_path):
     with pytest.raises(InputError) as refused:
         fabric_file.read_values(sheet(tmp_path, {"Weave": ("triaxial", "")} | PLAIN))
