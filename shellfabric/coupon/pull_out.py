@@ -37,6 +37,8 @@ from shellfabric.coupon import contact_force
 
 TAIL = 0.5  # of a spacing: yarn beyond the last crossover
 BISECTIONS = 50  # 1e-15 of the table's range
+# [-] of the strength: a lower tension is rounding of the stretch at which the yarns come apart
+ROUNDING = 1e-9
 # tensions at the front of slip between two crossovers, of which samples are interpolated
 FRONTS = 17
 
@@ -58,7 +60,7 @@ class PullOut:
     Raises
     ------
     InputError : a value out of its range, another form of the cell, a pre-tension beyond the
-        strength of the crossing yarns, or a law by which the yarn is nowhere slack
+        strength of the crossing yarns, or a law or crimp with which the yarn is nowhere slack
     """
 
     table: CellTable
@@ -89,8 +91,16 @@ class PullOut:
             allowed = "at least 0 and below the strength of the crossing yarns"
             refuse(self, "pre_tension", allowed)
         if self.tensions.min() > 0:
+            self._refuse_tension()
+
+    def _refuse_tension(self):
+        """Refuse a yarn that is nowhere slack, by what keeps it in tension."""
+        model = self.table.model
+        if any(law.form == "printed" for law in model.used_laws):
             allowed = "regularised in a pull-out: by the printed form its yarn is nowhere slack"
             raise InputError(key="law", allowed=allowed)
+        allowed = "lower in a pull-out: the yarn is in tension even where the yarns that it crosses lie side by side"
+        raise InputError(key="warp.crimp", value=model.fabric.weave.warp.crimp, allowed=allowed)
 
     @cached_property
     def friction(self) -> float:
@@ -127,7 +137,9 @@ class PullOut:
     @cached_property
     def tensions(self) -> FloatArray:
         """(n1,) [N] axial force of the yarn at the stretches of the table."""
-        return self._along_yarn(self.table.values["T1"])
+        found = self._along_yarn(self.table.values["T1"])
+        least = ROUNDING * self.table.model.fabric.weave.warp.strength
+        return np.where(found < least, 0.0, found)
 
     @cached_property
     def thresholds(self) -> FloatArray:
