@@ -17,6 +17,7 @@ from fabrics.variants import data_digest
 from fabrics.weave import Weave, arc_length
 from meshing.mesh_plan import Plan
 from shellfabric.cell.model import CellModel
+from shellfabric.impact import in_words
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.yarns.model import YarnZone
 from weavecell.api.calibration import PLAIN_CROSSING
@@ -330,6 +331,24 @@ def test_the_order_of_two_weaves_is_doubtful_with_pinned_yarns(own):
     ):
         setups = [ImpactSetup(f, 90.0, crossovers=z) for f, z in zip((basket, other), zones)]
         assert (line in choice.doubt_order(setups)) == doubtful
+
+
+def test_a_run_says_what_its_model_does_not_decide_of_a_weave(own):
+    """Pinned yarns of a weave with floats; resolved ones in a zone, beyond which a satin has a mean crossing."""
+    floats, mean = (
+        "which cannot slip under their floats",
+        "of several kinds, are taken by their mean",
+    )
+    for weave, zone, said in (
+        ("plain", None, ()),
+        ("basket 2x2", None, (floats,)),
+        ("basket 2x2", YarnZone(), ()),
+        ("satin 5", YarnZone(), (mean,)),
+        ("satin 5", YarnZone().whole, ()),
+    ):
+        setup = ImpactSetup(catalogue.load(own(weave)), 90.0, crossovers=zone)
+        text = " ".join(in_words.list_assumptions(setup))
+        assert tuple(words for words in (floats, mean) if words in text) == said
 
 
 def test_no_other_place_writes_the_parity_of_crossings():
