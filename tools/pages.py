@@ -32,6 +32,7 @@ from claims_page import markdown  # noqa: E402
 from shellfabric.impact.proposals import PROPOSALS  # noqa: E402
 from shellfabric.membrane import quality  # noqa: E402
 from shellfabric.membrane.indicator import Check  # noqa: E402
+from validation import stale as moved  # noqa: E402
 from validation.study import read  # noqa: E402
 from weavecell.studies import (  # noqa: E402
     biaxial_fit,
@@ -195,7 +196,37 @@ def front_page() -> str:
             f"{equations.missed} differ",
         ],
     ]
-    return f"\n\n{markdown(rows)}\n"
+    return f"\n\n{markdown(rows)}\n{of_earlier_code(*OF_TESTS)}\n"
+
+
+# quantities of measured.csv that the front page has
+OF_TESTS = ("V50 of one ply", "V50 of packs", "growth of V50 from 2 to 8 plies")
+LIMIT = "limit of one ply"
+
+
+def of_earlier_code(*quantities: str) -> str:
+    """Say which of these quantities are of earlier code, and before what; nothing if none is.
+
+    Those of measured.csv, all of them if none is named, and LIMIT, that of the study one-ply.
+    """
+    quantity_of = {row["id"]: row["quantity"] for row in table("measured.csv")}
+    found: dict[str, list[str]] = {}
+    for entry in moved.read():
+        if entry["study"] == moved.MEASURED:
+            name = quantity_of[entry["row"]]
+        elif (entry["study"], entry["column"]) == ("one-ply", moved.INPUTS):
+            name = LIMIT
+        else:
+            continue
+        names = found.setdefault(entry["reason"], [])
+        if name not in names and (not quantities or name in (*quantities, LIMIT)):
+            names.append(name)
+    told = [
+        f"{' and '.join(names)}, from before {reason}" for reason, names in found.items() if names
+    ]
+    if not told:
+        return ""
+    return textwrap.fill(f"To be computed again: {'; '.join(told)}.", 120)
 
 
 def packs_of_twaron() -> list[str]:
@@ -238,9 +269,15 @@ def two_tests() -> str:
         f"The computed critical velocity, of yarns of equal strength, is {limit:.0f} m/s: the stop is met, the "
         f"perforation **missed**. V50, of yarns that scatter, is {float(v50['computed']):.1f} ± "
         f"{float(v50['error']):.1f} m/s, that of the "
-        f"tests {v50['measured']} ± {v50['sigma']} m/s: {difference_of(v50)} difference is shown."
+        f"tests {v50['measured']} ± {v50['sigma']} m/s: {difference_of(v50)} difference is shown. "
+        f"{of_earlier_code('V50 of one ply')}"
     )
     return "\n" + textwrap.fill(text, 120)
+
+
+def measured_of_earlier_code() -> str:
+    """Say which measured rows are of earlier code."""
+    return f"\n\n{of_earlier_code()}\n\n"
 
 
 def critical_velocities() -> str:
@@ -339,6 +376,7 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
         "critical velocities": critical_velocities,
         "claims": claims_page.in_words,
     },
+    "docs/reports/measured.md": {"earlier code": measured_of_earlier_code},
     "docs/reports/material-tests.md": {"compression laws": compression_laws},
     "validation/reports/claims.md": {
         "how they were made": claims_page.made,

@@ -6,6 +6,9 @@ The cheapest study is first. A row is the same, has moved (row, column, kept and
 validation/moved.csv lists it: known since a day, for a reason, until the study is computed again. The exit code is 1
 where a row has moved otherwise, where one that is listed is the same again, and where the study's file is no longer
 that of the CSV. `--known` writes what has moved today to the list.
+
+Rows of measured.csv have no golden rows: they are long. `python -m validation measured ... --known REASON` lists those
+that are of earlier code, with no present value, and leave it when they are computed. Pages say what is listed.
 """
 
 from __future__ import annotations
@@ -13,7 +16,7 @@ from __future__ import annotations
 import csv
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -33,6 +36,7 @@ MOVED = "MOVED"
 AGAIN = "AGAIN"  # listed as moved, and the same
 NO_ROW = "no row"
 WRONG = (MOVED, AGAIN)
+MEASURED = "measured"  # in place of a study: a row of measured.csv, which is of earlier code
 INPUTS = "inputs"  # in place of a column: the study's file is not that of the CSV
 NOTES = {
     "names": "of studies; all by default",
@@ -174,6 +178,21 @@ def relisted(
             entry = dict(zip(HEADINGS, values))
         others.append(entry)
     return others
+
+
+def with_measured(values: Mapping[str, str], reason: str, listed: Sequence[Listed]) -> list[Listed]:
+    """Return the list with rows of measured.csv, {id: kept value}, that are of earlier code."""
+    today = datetime.now(UTC).strftime("%Y-%m-%d")
+    found = without_measured(values, listed)
+    for id, kept in values.items():
+        row = (MEASURED, id, "computed", kept, "", today, reason)
+        found.append(dict(zip(HEADINGS, row)))
+    return found
+
+
+def without_measured(ids: Container[str], listed: Sequence[Listed]) -> list[Listed]:
+    """Return the list without rows of measured.csv, which are computed."""
+    return [entry for entry in listed if entry["study"] != MEASURED or entry["row"] not in ids]
 
 
 def tell(verdict: Verdict) -> None:

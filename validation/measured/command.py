@@ -2,7 +2,8 @@
 
 Writes measured.csv (measured, computed, E and u_val of each row), measured-quantities.csv (bias and scatter) and
 measured-clamps.csv to docs/reports/data, and what `weavecell impact --uncertainty` prints of tests to weavecell/report.
-Rows that are not computed anew stay as they are. The site draws the scatter plots (tools/measured_plots.py).
+Rows that are not computed anew stay as they are; --known lists those that are of earlier code (`validation.stale`).
+The site draws the scatter plots (tools/measured_plots.py).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from validation import origin, study
+from validation import origin, stale, study
 from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
 from validation.values import Values, compute_each
@@ -24,6 +25,7 @@ from weavecell.results import provenance
 NOTES = {
     "quick": "the cheap run of each row alone, at most 10 minutes on two cores; its files go to results/measured",
     "only": "a part of the ids of the rows that are computed",
+    "known": "reason for which the rows are listed in validation/moved.csv as of earlier code; none is computed",
     "parts": "of crossover, ply, pack, backing, projectile, or stored: what is computed; all by default",
     "out": "folder of the CSVs; docs/reports/data by default",
 }
@@ -40,8 +42,9 @@ def main(
     quick: bool = False,
     jobs: int = 1,
     out: Path | None = None,
+    known: str = "",
 ) -> None:
-    """Compute the rows of measured.csv, and write them with their summary."""
+    """Compute the rows of measured.csv, and write them with their summary; or list them as old."""
     folder = out or study.DATA
     if quick:
         folder = out or KEPT
@@ -57,11 +60,16 @@ def main(
         pair = (None if quick else row.case, row.coarse_case)
         if row.level in parts and only in row.id and any(pair):
             cases[row.id] = pair
+    kept = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
+    if known:
+        values = {id: value_of(kept[id]) for id in cases if id in kept}
+        old = {id: value for id, value in values.items() if value}
+        stale.write(stale.with_measured(old, known, stale.read()))
+        return
     found = compute_each(compute, filter(None, chain(*cases.values())), **options)
-    known = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
     for id, pair in cases.items():
-        known[id] = _ran(found, *pair, commit)
-    table = [held(row, known.get(row.id, {})) for row in rows]
+        kept[id] = _ran(found, *pair, commit)
+    table = [held(row, kept.get(row.id, {})) for row in rows]
     here = Path(__file__).parent
     inputs = origin.digest_of_files(here / "rows.csv", *here.glob("inputs/**/*.toml"))
     made = origin.write(words, inputs, origin.spent())
@@ -70,6 +78,7 @@ def main(
     study.write(folder / "measured-quantities.csv", quantities, made)
     if folder == study.DATA:
         study.write(AGAINST_TESTS, quantities, made)
+        stale.write(stale.without_measured(cases, stale.read()))
 
 
 def _ran(found, case, coarse, commit):
