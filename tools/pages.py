@@ -13,7 +13,7 @@ import subprocess
 import sys
 import textwrap
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from math import hypot, isfinite, nan
 from pathlib import Path
@@ -196,37 +196,47 @@ def front_page() -> str:
             f"{equations.missed} differ",
         ],
     ]
-    return f"\n\n{markdown(rows)}\n{of_earlier_code(*OF_TESTS)}\n"
+    return f"\n\n{markdown(rows)}\n{of_earlier_code(OF_TESTS)}\n"
 
 
-# quantities of measured.csv that the front page has
-OF_TESTS = ("V50 of one ply", "V50 of packs", "growth of V50 from 2 to 8 plies")
+# {study: what pages say of it}
 LIMIT = "limit of one ply"
+LIMITS = "its limits over the meshes"
+OF_STUDIES = {"one-ply": LIMIT, "published-critical-velocities": LIMITS}
+# what the front page has of tests
+OF_TESTS = (LIMIT, "V50 of one ply", "V50 of packs", "growth of V50 from 2 to 8 plies")
 
 
-def of_earlier_code(*quantities: str) -> str:
+def of_earlier_code(quantities: Collection[str]) -> str:
     """Say which of these quantities are of earlier code, and before what; nothing if none is.
 
-    Those of measured.csv, all of them if none is named, and LIMIT, that of the study one-ply.
+    Parameters
+    ----------
+    quantities : of measured.csv and of OF_STUDIES
     """
     quantity_of = {row["id"]: row["quantity"] for row in table("measured.csv")}
     found: dict[str, list[str]] = {}
     for entry in moved.read():
+        name = None
         if entry["study"] == moved.MEASURED:
             name = quantity_of[entry["row"]]
-        elif (entry["study"], entry["column"]) == ("one-ply", moved.INPUTS):
-            name = LIMIT
-        else:
-            continue
+        elif entry["column"] == moved.INPUTS:
+            name = OF_STUDIES.get(entry["study"])
         names = found.setdefault(entry["reason"], [])
-        if name not in names and (not quantities or name in (*quantities, LIMIT)):
+        if name in quantities and name not in names:
             names.append(name)
-    told = [
-        f"{' and '.join(names)}, from before {reason}" for reason, names in found.items() if names
-    ]
+    told = [f"{listing(names)}, from before {reason}" for reason, names in found.items() if names]
     if not told:
         return ""
     return textwrap.fill(f"To be computed again: {'; '.join(told)}.", 120)
+
+
+def listing(names: Sequence[str]) -> str:
+    """Write names with commas, and "and" before the last."""
+    *others, last = names
+    if not others:
+        return last
+    return f"{', '.join(others)} and {last}"
 
 
 def packs_of_twaron() -> list[str]:
@@ -270,14 +280,15 @@ def two_tests() -> str:
         f"perforation **missed**. V50, of yarns that scatter, is {float(v50['computed']):.1f} ± "
         f"{float(v50['error']):.1f} m/s, that of the "
         f"tests {v50['measured']} ± {v50['sigma']} m/s: {difference_of(v50)} difference is shown. "
-        f"{of_earlier_code('V50 of one ply')}"
+        f"{of_earlier_code((LIMIT, 'V50 of one ply', LIMITS))}"
     )
     return "\n" + textwrap.fill(text, 120)
 
 
 def measured_of_earlier_code() -> str:
     """Say which measured rows are of earlier code."""
-    return f"\n\n{of_earlier_code()}\n\n"
+    quantities = {row["quantity"] for row in table("measured.csv")}
+    return f"\n\n{of_earlier_code(quantities)}\n\n"
 
 
 def critical_velocities() -> str:
