@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrics import catalogue
+import weavecell as wc
 from fabrics.base.files import write_whole
 from shellfabric.impact.run import run_impact
-from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop import snapshots
 from weavecell.report import pictures, pictures3d
 from weavecell.report.pictures_figure import plots
@@ -28,9 +27,8 @@ US = 1e6
 
 
 def shot(velocity, interval=None):
-    """Fire one shot at the panel of the thesis."""
-    fabric = catalogue.load("S-720").with_effective_density()
-    return run_impact(ImpactSetup(fabric, velocity, snapshot_interval=interval))
+    """Fire one shot as a reader would, who gives fabric and velocity alone."""
+    return run_impact(wc.setup("S-720", velocity, snapshot_interval=interval))
 
 
 def image_of(result):
