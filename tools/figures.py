@@ -54,7 +54,10 @@ def report(_):
     shot."""
     with TemporaryDirectory() as folder:
         wc.impact(COUPONS.parent / "S-720-perforates.toml", out=folder)
-        wc.view(folder, movie=FIGURES / "perforation.gif")
+        movie = Path(folder) / "perforation.gif"
+        wc.view(folder, movie=movie)
+        # a movie never replaces a file
+        write(FIGURES / movie.name, movie.read_bytes())
         words = ("--headless", "--no-sandbox", "--enable-unsafe-swiftshader", "--hide-scrollbars")
         shot = (
             "--window-size=1280,1130",
