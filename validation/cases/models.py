@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import sqrt
+from math import nan, sqrt
 
 import numpy as np
 
@@ -59,8 +59,7 @@ def compare(
     dict with off {model: [%]}, the larger difference from the richest of the energy taken from the projectile and, with
     `at`, its way; known [%], the largest standard error of the difference of two means; cpu {model: [s]} of all shots;
     cheapest, the cheapest model that is within NEAR with this error, with off_of_cheapest and
-    cost_over_richest; richest; and the numbers of
-    `model_choice.SceneNumbers`
+    cost_over_richest; richest; the numbers of `model_choice.SceneNumbers`; and what `_judge_advice` returns
     """
     found = {}
     if isinstance(at, str):
@@ -82,6 +81,7 @@ def compare(
         cpu[name] = seconds
     near = [name for name in models if off[name] + known[name] <= NEAR]
     cheapest = min(near, key=cpu.__getitem__)
+    numbers = _describe(scene, velocities, friction, patch)
     return {
         "off": off,
         "known": max(known.values()),
@@ -90,7 +90,37 @@ def compare(
         "richest": models[-1],
         "off_of_cheapest": off[cheapest],
         "cost_over_richest": cpu[cheapest] / cpu[models[-1]],
-    } | _numbers(scene, velocities, friction, patch)
+        **vars(numbers),
+        **_judge_advice(model_choice.find_nearest(numbers), near, cheapest, off, cpu),
+    }
+
+
+def _judge_advice(like, near, cheapest, off, cpu):
+    """What the scene that `impact --check` finds for this one (None: it says that none is like it) advises, beside what
+    the runs show: its name, the model that was enough there, and a verdict. "hit" is the cheapest model within NEAR,
+    "dearer" another one within NEAR, "miss" one that is not."""
+    if like is None:
+        return {
+            "like": "",
+            "advised": "",
+            "verdict": "none is like it",
+            "off_of_advised": nan,
+            "cost_of_advised": nan,
+        }
+    advised = like.cheapest
+    if advised == cheapest:
+        verdict = "hit"
+    elif advised in near:
+        verdict = "dearer"
+    else:
+        verdict = "miss"
+    return {
+        "like": like.name,
+        "advised": advised,
+        "verdict": verdict,
+        "off_of_advised": off[advised],
+        "cost_of_advised": cpu[advised] / cpu[cheapest],
+    }
 
 
 def _fire(name, velocities, at, friction, scene):
@@ -132,7 +162,7 @@ def _strike(name, velocity, at, friction, patch):
     return np.array([energy, way]), 0.0, shot["cpu"]
 
 
-def _numbers(scene, velocities, friction, patch):
+def _describe(scene, velocities, friction, patch):
     """The numbers by which a user's scene finds this one."""
     if patch is not None:
         scene = scene | {"fabric": patch["fabric"]}
@@ -142,4 +172,4 @@ def _numbers(scene, velocities, friction, patch):
     numbers = model_choice.describe(setup, setup.target(setup.plain_table()))
     if friction is not None:
         numbers = replace(numbers, friction=friction)
-    return vars(numbers)
+    return numbers

@@ -138,9 +138,8 @@ def _scene_of(row: Mapping[str, str]) -> KnownScene:
     )
 
 
-def find_like(setup: ImpactSetup, target: Panel | Pack) -> KnownScene | None:
-    """Find the nearest of the scenes that were run; None if none is like this one. Arguments as of `describe`."""
-    numbers = describe(setup, target)
+def find_nearest(numbers: SceneNumbers) -> KnownScene | None:
+    """Find the nearest of the scenes that were run; None if none is like the one of these numbers."""
     nearest = min(known_scenes(), key=lambda scene: numbers.distance(scene.numbers))
     if numbers.distance(nearest.numbers) > FAR:
         return None
@@ -149,7 +148,7 @@ def find_like(setup: ImpactSetup, target: Panel | Pack) -> KnownScene | None:
 
 def advise(setup: ImpactSetup, target: Panel | Pack) -> str:
     """Say which model the scene needs, in one line; arguments as of `describe`."""
-    like = find_like(setup, target)
+    like = find_nearest(describe(setup, target))
     if like is None:
         count = len(known_scenes())
         return f"model: none of the {count} scenes that were run in all models is like this one"
@@ -158,5 +157,5 @@ def advise(setup: ImpactSetup, target: Panel | Pack) -> str:
 
 def pinned_are_enough(setup: ImpactSetup) -> bool:
     """Tell whether pinned yarns were enough in the scene that is like this one."""
-    like = find_like(setup, setup.target())
+    like = find_nearest(describe(setup, setup.target()))
     return like is not None and like.cheapest.startswith(PINNED)
