@@ -26,16 +26,14 @@ def find_unknown(target: Target, quantity: str) -> LeftOut | None:
 
     Returns
     -------
-    None if place and frictions are given or make no difference: pinned yarns are asked for by the input, or were
-    enough in the like scene (`model_choice`); and of a body of metal, beside which no yarns are resolved
+    None if place and frictions are given or make no difference: pinned yarns are asked for by the input; and of a
+    body of metal, beside which no yarns are resolved
     """
     from weavecell.api.intervals import plan_interval
-    from weavecell.studies import interval, model_choice, places
+    from weavecell.studies import interval, places
 
     setup = target.setup
     if target.is_pinned or setup.projectile.body == "metal":
-        return None
-    if model_choice.pinned_are_enough(setup):
         return None
     unknown = interval.find_unknown(places.resolve(setup))
     ranges = {

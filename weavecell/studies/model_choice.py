@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 FILE = "models_of_scenes.csv"
 BULLET = "bullet"
 NOSE = "nose"
-PINNED = "pinned"  # begins the names of the models of pinned yarns
 # steps that count alike: factors on nose, velocity and plies; of the friction a difference
 FACTORS = {"nose": 2.0, "velocity": 1.5, "plies": 3.0}
 FRICTION = 0.15
@@ -153,9 +152,3 @@ def advise(setup: ImpactSetup, target: Panel | Pack) -> str:
         count = len(known_scenes())
         return f"model: none of the {count} scenes that were run in all models is like this one"
     return f"model: {like}"
-
-
-def pinned_are_enough(setup: ImpactSetup) -> bool:
-    """Tell whether pinned yarns were enough in the scene that is like this one."""
-    like = find_nearest(describe(setup, setup.target()))
-    return like is not None and like.cheapest.startswith(PINNED)

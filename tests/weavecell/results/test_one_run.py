@@ -51,7 +51,7 @@ def test_what_is_given_is_not_unknown():
     known = yarns | {"crossover_friction": 0.2, "impact_point": ["0.1 mm", "0.4 mm"]}
     assert "unknown friction on the nose: " in find("S-728", **known).brief
     assert find("S-728", **known | {"projectile": sphere | {"friction": 0.1}}) is None
-    # who asks for pinned yarns, or strikes with what they are enough for, is not asked
+    # who asks for pinned yarns is not asked
     asked = resolve_target(
         "S-728", {**shot, "crossovers": "pinned"}, "shot", 120.0, function="impact"
     )
