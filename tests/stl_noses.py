@@ -116,6 +116,7 @@ def from_file(path):
         "stl_unit": "mm",
         "mass": f"{MASS!r} kg",
         "edge_radius": f"{EDGE!r} m",
+        "friction": 0,
     }
 
 

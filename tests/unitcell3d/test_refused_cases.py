@@ -47,8 +47,8 @@ REFUSED = [
     (partial(pull_out.pull_out, WHOLE, S720, (np.inf,)), "displacements"),
     (partial(pull_out.pull_out, WHOLE, S720, (1e-6,), pull=0.0), "pull"),
     (partial(PullOutModel, TINY, S720), "whole"),
-    (partial(calibrate, S720, paths={}), "paths"),
-    (partial(calibrate, S720, jobs=0), "jobs"),
+    (partial(calibrate, S720, size="coarse", paths={}), "paths"),
+    (partial(calibrate, S720, size="coarse", jobs=0), "jobs"),
     (partial(interpolant.Interpolant(surface(5, 5)), "T1", 1e-6, 1.0), "d2"),
     (partial(interpolant.errors, surface(4, 5)), "d1"),
 ]

@@ -278,7 +278,7 @@ def critical_velocity(
     --------
     >>> limit = wc.critical_velocity("S-720", tolerance="20 m/s", scan=False, residual_shots=0, opening="100 mm")
     >>> round(limit.critical_velocity, -1), limit.bracket_checks  # [m/s]
-    (70.0, 'ok')
+    (90.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
     from weavecell.studies import choice, pack_limit, strengths

@@ -482,13 +482,14 @@ class StudySize(_Size):
 def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) -> StudySize:
     """Forecast the size of a row of `studies.sweep`; `shots` of a V50, `width` [m/s] of the bracket
     of a limit or None."""
-    from weavecell.studies import pack_limit, v50
-    from weavecell.studies.limit import usual_tolerance
-
     setup = panel.setup
     words: dict[str, Any] = {"scene": panel.scene}
     if quantity == "shot":
         return StudySize.estimate(setup, setup.title, 1, velocity=True, **words)
+    # a shot asks for its own forecast, and needs no statistics for it
+    from weavecell.studies import pack_limit, v50
+    from weavecell.studies.limit import usual_tolerance
+
     if quantity == "v50":
         return StudySize.estimate(v50.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
     beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS

@@ -103,7 +103,7 @@ def test_the_record_of_a_pack_has_the_strength_and_place_of_each_ply(pack):
 def test_the_push_on_the_plies_is_what_the_projectile_has_lost(pack):
     impulse = trapezoid(pack.record.plies["push"].sum(axis=1), pack.record.time)
     assert impulse == pytest.approx(
-        pack.record.mass * (200 - pack.told["residual_velocity_m_s"]), rel=0.05
+        pack.record.mass * (200 - pack.told["residual_velocity_m_s"]), rel=0.02
     )
     with h5py.File(pack.folder / "histories.h5") as file:
         assert file["plies/histories/push"].shape == (len(pack.record.time), 3)
@@ -112,7 +112,8 @@ def test_the_push_on_the_plies_is_what_the_projectile_has_lost(pack):
         assert found.yarns[0].strength == pytest.approx(pack.record.strength[ply, 0])
         assert found.t[-1] == pytest.approx(pack.record.time[-1])
     deflections = [found.yarns[0].deflection.max() for found in pack.record.measured]
-    assert deflections[0] < deflections[2]  # which flies ahead, into the block
+    # plies that give back half of what closed them do not fly ahead of the nose
+    assert deflections[0] > deflections[1] > deflections[2]
 
 
 def test_cuts_and_grids_of_turned_plies_lie_in_the_frame_of_all(pack):

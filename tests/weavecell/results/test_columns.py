@@ -34,6 +34,7 @@ def result_of(number, outcome="perforated"):
         "peak_tension": (100.0 * number + 11, 100.0 * number + 12),
         "cut_yarns": np.array([0.0, 100.0 * number + 21]),
         "checks": (),
+        "widened": "",
         "setup": Given(strike_velocity=100.0 * number + 31),
     }
     return Given(**values, **others)

@@ -19,7 +19,8 @@ from weavecell.studies import ballistic_limit
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 # unlike warp and weft, on a crossover: a quarter
 QUARTER = {"crossovers": "yarns", "impact_point": ["0 mm", "0 mm"], "symmetry": "quarter"}
-UNZIPS = QUARTER | {"opening": "50 mm"}
+FLAT = {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm", "friction": 0}
+UNZIPS = QUARTER | {"opening": "50 mm", "projectile": FLAT}
 SPHERE = {"shape": "sphere", "mass": "0.69 g", "diameter": "5.5 mm"}
 SLIPS = QUARTER | {"opening": "70 mm", "crossover_friction": 0.15, "projectile": SPHERE}
 
