@@ -133,15 +133,24 @@ def open_claims() -> str:
 
 
 def turned() -> str:
-    """Say how many of the reproduced claims a tenth of an input turns."""
+    """Say how many of the reproduced claims a tenth of an input turns, and how many have not been looked through."""
     looked = read(DATA.parent / turns.FILE)[1]
     reproduced = counts(read(DATA)[1])[REPRODUCED]
+    known = {row["id"] for row in looked}
+    left = [
+        claim for claim in claims.load() if claim.verdict == REPRODUCED and claim.id not in known
+    ]
+    take_runs = sum(bool(claim.run) for claim in left)
+    by_clock = sum(claim.id in turns.OF_CLOCKS for claim in left)
     found = [row for row in looked if row["change"] != turns.NONE]
     by = Counter(row["change"].rsplit(" ", 2)[0] for row in found)
     inputs = ", ".join(f"{name} {number}" for name, number in by.most_common())
+    solved = len(left) - take_runs - by_clock
     return (
         f" {len(looked)} of the {reproduced} reproduced claims have been looked through; of {len(found)} a change of "
-        f"an input by a tenth turns the verdict ({inputs}), of {len(looked) - len(found)} none does "
+        f"an input by a tenth turns the verdict ({inputs}), of {len(looked) - len(found)} none does. {len(left)} have "
+        f"not: {take_runs} take shots or the 3D crossover, up to {len(turns.OF_RUNS)} times each; {by_clock} compares "
+        f"CPU times, which differ by more; {solved} solve cells too often to be changed {len(turns.CHANGES)} times "
     )
 
 
