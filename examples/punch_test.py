@@ -4,7 +4,7 @@ Punch test for the failure length
 
 One ply of S-728 struck by flat cylinders of two edge radii, for three failure lengths. Where the ratio of the limits
 changes with the length by more than tests scatter, a measured ratio tells the length of the fabric. In this opening it
-does not: four times the length changes the ratio by 2 %. It prints limits and ratios, and draws them. Opening 50 mm,
+does not: four times the length changes the ratio by 4 %. It prints limits and ratios, and draws them. Opening 50 mm,
 elements of a quarter of a crossover at the nose, brackets of 1 m/s. About 35 s.
 Run with ``python examples/punch_test.py``.
 """

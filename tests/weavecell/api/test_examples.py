@@ -15,13 +15,13 @@ SCRIPTS = sorted({*(ROOT / "examples").glob("*.py")} - {ROOT / "examples" / "dem
 # what each prints before its number, and the number, stored within 1 %, or one of the last digit printed
 NUMBERS = {
     "areal_density": (r"4 x S-728, 925 g/m2: limit", 260),
-    "clay_backing": (r"its dent has been", 3.5),
+    "clay_backing": (r"its dent has been", 3.3),
     "export_deck": (r"LAW58 {'rms': '", 3.4),
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 222),
-    "oblique_fragment": (r"45 degrees: perforated,", 83),
-    "punch_test": (r"failure length 0.75 mm: limit", 39.6),
-    "sobol_indices": (r"80 shots: mean", 126.2),
-    "uncertainty": (r"3 x 3 elements per crossover:", 128.4),
+    "oblique_fragment": (r"30 degrees: perforated,", 138),
+    "punch_test": (r"failure length 0.75 mm: limit", 41.6),
+    "sobol_indices": (r"80 shots: mean", 118.0),
+    "uncertainty": (r"3 x 3 elements per crossover:", 122.4),
 }
 
 
