@@ -15,7 +15,8 @@ from weavecell.studies.window import FACTORS
 def scene(tmp_path):
     path = tmp_path / "scene.toml"
     text = small_scene('["report"]', '\n[accuracy]\nuncertainty = "5 %"\n')
-    path.write_text(text.replace('"50 mm"', '"30 mm"'))
+    perforates = text.replace("[projectile]", "[projectile]\nfriction = 0")
+    path.write_text(perforates.replace('"50 mm"', '"30 mm"'))
     return path
 
 
