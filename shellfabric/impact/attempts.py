@@ -73,6 +73,11 @@ class Attempt:
             f"a zone of {1e3 * zone:g} mm was too small ({reasons}): run again with all yarns resolved, "
             f"{after:,} crossings in place of {before:,}"
         )
+        if after == before:
+            why = (
+                f"a zone of {1e3 * zone:g} mm holds all {after:,} crossings of the panel, with a rim beside the "
+                f"edges ({reasons}): run again without a rim"
+            )
         return replace(self, target=wider, widened=why)
 
     def setup_of(self, setup: ImpactSetup) -> ImpactSetup:

@@ -105,3 +105,14 @@ def test_a_checkpoint_of_the_second_run_is_gone_on_from(tmp_path):
     gone_on = run_impact(setup, resume=path)
     assert "all yarns resolved" in gone_on.widened
     np.testing.assert_array_equal(gone_on.velocity, whole.velocity)
+
+
+def test_a_panel_that_its_zone_covers_is_run_again_without_a_rim():
+    """No crossing is resolved more than before, so none is said to be."""
+    found = {}
+    for opening in ("24 mm", "50 mm"):
+        setup = wc.setup("S-726", "80 m/s", **QUARTER | {"opening": opening})
+        found[opening] = Attempt(setup.target()).widen("a yarn slipped").widened
+    assert found["24 mm"].endswith("(a yarn slipped): run again without a rim")
+    assert "crossings in place of" not in found["24 mm"]
+    assert found["50 mm"].endswith("756 crossings in place of 552")
