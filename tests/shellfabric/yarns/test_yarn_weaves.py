@@ -99,9 +99,11 @@ def test_a_torn_panel_keeps_its_energy(weave):
 
 
 def test_a_quarter_of_a_basket_of_threes_does_what_the_whole_does():
-    """Its middle lines are those of the middle yarns of groups."""
+    """Its middle lines are those of the middle yarns of groups. Through the tear; some 12 us after it the cut ends,
+    which are slack and so have no viscosity, take the rounding from 1e-16 to 1e-6."""
+    aimed = {"impact_point": (0.0, 0.0), "end_time": 27e-6}
     whole, quarter = (
-        run_impact(shot("basket 3x3", symmetry=symmetry, impact_point=(0.0, 0.0)))
+        run_impact(shot("basket 3x3", symmetry=symmetry, **aimed))
         for symmetry in ("whole", "quarter")
     )
     assert whole.cut_yarns[-1] > 1.5
