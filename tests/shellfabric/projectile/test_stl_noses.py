@@ -85,7 +85,14 @@ CONE = pytest.mark.xfail(
 )
 
 
-MARKS = {"cone": CONE} | dict.fromkeys(("flat", "sphere", "chisel"), pytest.mark.slow(10))
+FLAT = pytest.mark.xfail(
+    strict=True,
+    reason="torn at 150 m/s it deflects 1.10 % less, since slack yarns have no viscosity",
+)
+
+
+MARKS = {"cone": CONE} | dict.fromkeys(("sphere", "chisel"), pytest.mark.slow(10))
+MARKS["flat"] = [pytest.mark.slow(10), FLAT]
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=MARKS.get(n, ())) for n in stl_noses.NOSES])
