@@ -69,11 +69,12 @@ class Attempt:
         except InputError:
             return None
         before, after = (sum(map(crossings_of, pack.plies)) for pack in (self.target, wider))
-        why = (
-            f"a zone of {1e3 * zone:g} mm was too small ({reasons}): run again with all yarns resolved, "
-            f"{after:,} crossings in place of {before:,}"
-        )
-        if after == before:
+        if after > before:
+            why = (
+                f"a zone of {1e3 * zone:g} mm was too small ({reasons}): run again with all yarns resolved, "
+                f"{after:,} crossings in place of {before:,}"
+            )
+        else:
             why = (
                 f"a zone of {1e3 * zone:g} mm holds all {after:,} crossings of the panel, with a rim beside the "
                 f"edges ({reasons}): run again without a rim"

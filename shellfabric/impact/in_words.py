@@ -150,7 +150,7 @@ def _of_crossovers(setup):
 
 
 def _say_aim(setup, drawn):
-    """Where resolved yarns are struck."""
+    """Say where resolved yarns are struck."""
     if drawn:
         return "The impact point within a cell of the weave is drawn for each shot."
     seed = setup.crossovers.seed

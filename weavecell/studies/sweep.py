@@ -91,7 +91,7 @@ def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
 
 
 def _say_widened(text):
-    """The entry of a row of which something was run again with all yarns resolved; none of others."""
+    """Return the entry of a row of which something was run again with all yarns resolved; none of others."""
     if not text:
         return {}
     return {"widened": text}
