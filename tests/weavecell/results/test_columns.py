@@ -58,6 +58,12 @@ def test_a_row_of_a_sweep():
     assert sweep.row_of(result_of(3), "too fast") == ROW | {"outcome": "unstable"}
 
 
+def test_a_row_of_a_sweep_says_why_its_shot_was_run_again():
+    again = result_of(3)
+    again.widened = "a zone of 20 mm was too small"
+    assert sweep.row_of(again) == ROW | {"widened": "a zone of 20 mm was too small"}
+
+
 def test_a_row_of_a_window_and_its_means():
     assert window._row(result_of(3)) == ROW | {"strike_velocity_m_s": 331.0}
     rows = tuple(

@@ -284,3 +284,11 @@ def test_a_point_that_is_given_is_the_only_place(tmp_path):
     made = wc.impact.plan(scene, interval=True)
     assert [run.place.name for run in made.first] == 2 * ["at the given point"]
     assert made.first[0].setup.impact_point == pytest.approx((0.3e-3, 0.5e-3))
+
+
+def test_a_shot_says_where_it_strikes_in_spacings_along_warp_and_weft():
+    """10.24 warp yarns and 10.63 weft yarns a cm: along the warp a spacing is 1/10.63 cm."""
+    aimed = {"impact_point": ["0.3 mm", "0.6 mm"], "symmetry": "whole", "opening": "50 mm"}
+    size = wc.impact("S-726", "80 m/s", crossovers="yarns", check=True, **aimed)
+    said = "0.319 and 0.614 spacings beside the crossover in the middle, along warp and weft"
+    assert any(said in line for line in size.lines())
