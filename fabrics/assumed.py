@@ -12,6 +12,8 @@ sides. The failure length is one for all families
 
 A number of the file with `low` and `high` has that range. A guess without them, which has the
 status "assumed" or, in [shear] or [solid], no source, has the range of its fibre family about it.
+A number with the status "measured" may have a range too, as where others measured differently: it
+is no assumption (`ranges_of_measured` tells it), and is varied with what is assumed.
 """
 
 from __future__ import annotations
@@ -289,7 +291,8 @@ def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
         pairs = [fabric.ranges.get(f"{family}.{name}", (1.0, 1.0)) for family in FAMILIES]
         if any(low < high for low, high in pairs):
             ratios = zip(("low", "high"), zip(*pairs))
-            variants[name] = {f"{name} {end}": _scaled(fabric, name, both) for end, both in ratios}
+            what = name.replace("_", " ")
+            variants[what] = {f"{what} {end}": _scaled(fabric, name, both) for end, both in ratios}
     trellis = {}
     for end, changed in shear_ends(fabric).items():
         trellis[f"trellis {end}"] = changed
@@ -424,11 +427,46 @@ def describe_idealised(fabric: Fabric) -> str:
     return "; ".join(beyond) or "none of its numbers is beyond the plausible"
 
 
+def ranges_of_measured(fabric: Fabric) -> list[str]:
+    """Write one line for each measured number that has a range, with its source; warp and weft share
+    a line where they are alike."""
+    keys: dict[tuple[str, str, str], list[str]] = {}
+    for key in sorted(_measured_keys(fabric)):
+        entry = fabric.sources[key]
+        family, _, name = key.rpartition(".")
+        keys.setdefault((name, entry["value"], entry["source"]), []).append(family)
+    lines = []
+    for (name, value, source), families in keys.items():
+        of = " and ".join(filter(None, families))
+        if of:
+            name += f" of {of}"
+        lines.append(f"{name}, measured, {value}: {source}")
+    return lines
+
+
+def without_ranges_of_measured(fabric: Fabric) -> Fabric:
+    """Return the fabric whose measured numbers have no range: what is assumed of it alone."""
+    measured = _measured_keys(fabric)
+    kept = {key: ratios for key, ratios in fabric.ranges.items() if key not in measured}
+    return replace(fabric, ranges=kept)
+
+
+def _measured_keys(fabric):
+    """Keys of the measured numbers with a range that is wider than the number."""
+    keys = set()
+    for key, (low, high) in fabric.ranges.items():
+        if low < high and fabric.sources.get(key, {}).get("status") == "measured":
+            keys.add(key)
+    return keys
+
+
 def _own_lines(fabric):
-    """Lines about the numbers with a range of their own, and about guesses without one."""
+    """Lines about the numbers with a range of their own, but for measured ones, and about guesses
+    without one."""
+    measured = _measured_keys(fabric)
     ranged = []
     for key, (low, high) in fabric.ranges.items():
-        if low < high and key.partition(".")[0] not in fabric.assumed:
+        if low < high and key.partition(".")[0] not in fabric.assumed and key not in measured:
             value = fabric.sources[key]["value"].partition(" (")[0]
             ranged.append(f"{key} {value} (times {low:.3g} .. {high:.3g})")
     guessed = ", ".join(key for key in fabric.guessed if key not in fabric.ranges)

@@ -151,8 +151,10 @@ def with_ends(setup: ImpactSetup, choice: bool | str) -> ImpactSetup | None:
     if not choice:
         return None
     names = set(changes(setup))
-    # these are assumed of nearly every set-up, so they alone do not start a range
     if choice == "laws":
+        # what others measured is no assumption
+        names = set(changes(_change_each_ply(_without_measured, None, setup)))
+        # these are assumed of nearly every set-up, so they alone do not start a range
         names -= {"failure length", GAP, *inputs.ranges()}
     if names:
         return setup
@@ -177,27 +179,39 @@ def changes(setup: ImpactSetup) -> Ends:
     setup : ImpactSetup, its fabric completed by `fabrics.assumed`; its laws carry the range of an
         assumed solid law
     """
+    return _moving(setup, _both_ends(setup))
+
+
+def _moving(setup, ends):
+    """The ends that change a set-up, or a pair of them: a number may lie at an end of its range."""
+    moving = {}
+    for name, of_one in ends.items():
+        kept = {words: change for words, change in of_one.items() if change(setup) != setup}
+        if kept:
+            moving[name] = kept
+    return moving
+
+
+def _both_ends(setup):
+    """As `changes`, with the ends that change nothing: of all set-ups the first is low, the second
+    high."""
     ends_of: dict[str, dict[str, Any]] = {}
     for fabric in setup.fabrics:
         for name, ends in assumed.ends(fabric).items():
             change = partial(_change_each_ply, partial(_with_end, name))
             ends_of.setdefault(name, {w: partial(change, k) for k, w in enumerate(ends)})
-    stiffness = {
+    # a law that was fitted to a given solid has no ends
+    ends_of["solid law"] = {
         "yarns soft": partial(_change_each_ply, _with_laws, "soft"),
         "yarns stiff": partial(_change_each_ply, _with_laws, "stiff"),
     }
-    # a law that was fitted to a given solid has no ends
-    if any(change(setup) != setup for change in stiffness.values()):
-        ends_of["solid law"] = stiffness
     for name, entry in inputs.ranges(*setup.fabrics).items():
         if is_given(setup, name):
             continue
-        own = {}
-        for end in (entry.low, entry.high):
-            if set_value(setup, name, end) != setup:
-                own[f"{name} {end:g}"] = partial(set_value, name=name, value=end)
-        if own:
-            ends_of[name] = own
+        ends_of[name] = {
+            f"{name} {end:g}": partial(set_value, name=name, value=end)
+            for end in (entry.low, entry.high)
+        }
     gaps = {}
     for words, field in (("plies in touch", "low"), ("wide gaps between plies", "high")):
         change = partial(_with_gaps, field)
@@ -212,7 +226,7 @@ def common_changes(a: ImpactSetup, b: ImpactSetup) -> dict[str, dict[str, Callab
     """Collect the changes of a pair of set-ups that move what both assume under one name together,
     low with low and high with high, as `changes` does of one: what is not known of both alike, such
     as the friction of a projectile, then changes both."""
-    of_each = [changes(setup) for setup in (a, b)]
+    of_each = [_both_ends(setup) for setup in (a, b)]
     pairs: dict[str, dict[str, Any]] = {}
     for name in dict.fromkeys([*of_each[0], *of_each[1]]):
         sides = [list(ends.get(name, {}).items()) for ends in of_each]
@@ -222,7 +236,7 @@ def common_changes(a: ImpactSetup, b: ImpactSetup) -> dict[str, dict[str, Callab
             words = " / ".join(dict.fromkeys(end[0] for end in ends if end))
             moved = [end and end[1] for end in ends]
             pairs[name][words] = partial(_change_both, moved)
-    return pairs
+    return _moving((a, b), pairs)
 
 
 def _change_both(moved, pair):
@@ -233,6 +247,11 @@ def _change_both(moved, pair):
 def _change_each_ply(change, end, setup):
     """The set-up with change(ply, end) of itself and of every ply of its lay-up."""
     return change(replace(setup, lay_up=tuple(change(ply, end) for ply in setup.lay_up)), end)
+
+
+def _without_measured(ply, _):
+    """A ply whose fabric has ranges of what is assumed alone."""
+    return replace(ply, fabric=assumed.without_ranges_of_measured(ply.fabric))
 
 
 def _with_end(name, ply, number):

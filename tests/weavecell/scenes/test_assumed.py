@@ -22,6 +22,7 @@ from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.api.target import resolve_fabric
+from weavecell.report.shot import chapters_shot
 from weavecell.scenes import build, impact
 from weavecell.studies import assumed_range, ballistic_limit
 from weavecell.studies.assumed_range import AssumedRange, VariedRun
@@ -235,7 +236,8 @@ def test_a_fabric_of_the_catalogue_has_its_strength_and_friction_on_the_nose_alo
 def test_what_a_set_up_assumes_follows_from_it(clamped_pack):
     usual = ["failure length", "strength after weaving", "friction of the projectile"]
     found = assumed_range.changes(clamped_pack)
-    assert list(found) == [*usual, "friction between plies", "clamp force", PACKED, GIVEN_BACK, GAP]
+    others = ["friction between plies", "clamp force", PACKED, GIVEN_BACK, GAP]
+    assert list(found) == ["failure strain", *usual, *others]
 
 
 def given_gap(setup):
@@ -269,7 +271,9 @@ READ = {
 def test_an_end_of_a_range_changes_its_own_number_and_no_other(clamped_pack):
     """All that a set-up assumes, both ends of each."""
     zone = YarnZone()
-    base = replace(clamped_pack, crossovers=zone)
+    # strength after weaving and a range of the failure strain change one number of the yarns
+    fabric = assumed.without_ranges_of_measured(clamped_pack.fabric)
+    base = replace(clamped_pack, fabric=fabric, crossovers=zone)
     found = assumed_range.changes(base)
     assert set(found) == set(READ)
     before = {name: read(base) for name, (read, _) in READ.items()}
@@ -309,7 +313,40 @@ def test_the_low_end_of_the_strength_after_weaving_weakens_the_yarns(clamped_pac
 def test_a_strength_after_weaving_that_is_given_is_not_varied():
     woven = {"modulus": 0.9, "strength": 0.9, "source": "tests of drawn yarns"}
     plain = wc.setup("S-720", "90 m/s", opening="40 mm", weaving_damage=woven)
-    assert list(assumed_range.changes(plain)) == ["failure length", "friction of the projectile"]
+    varied = ["failure strain", "failure length", "friction of the projectile"]
+    assert list(assumed_range.changes(plain)) == varied
+
+
+def test_a_measured_number_with_a_range_is_varied_and_told(clamped_pack):
+    """Kevlar 129 of the catalogue is 15 % weaker than fibre tables print: 3.54 % for 3.0 %."""
+    ends = assumed_range.changes(clamped_pack)["failure strain"]
+    assert list(ends) == ["failure strain high"]  # 3.0 % is the low end too
+    high = ends["failure strain high"](clamped_pack).fabric.weave.yarns
+    assert [yarn.failure_strain for yarn in high] == pytest.approx([0.0354, 0.0354])
+    assert [yarn.E for yarn in high] == [96e9, 96e9]
+    (told,) = assumed.ranges_of_measured(clamped_pack.fabric)
+    assert told.startswith("failure_strain of warp and weft, measured, 3.0 % (3.0 % .. 3.54 %): ")
+    assert "15 % below" in told
+    assert not any("failure_strain" in line for line in assumed.lines(clamped_pack.fabric))
+    rows = chapters_shot.assumptions(clamped_pack, ()).tables[0].rows
+    assert ("range of a number", told) in rows
+
+
+def test_ends_that_two_set_ups_have_are_moved_low_with_low(clamped_pack, mine):
+    """One has its nominal value at the low end of a range, the other between both ends."""
+    ranges = {"warp.failure_strain": (0.9, 1.3), "weft.failure_strain": (0.8, 1.2)}
+    other = replace(clamped_pack, fabric=replace(mine, ranges=ranges))
+    pairs = assumed_range.common_changes(clamped_pack, other)["failure strain"]
+    low, high = (change((clamped_pack, other)) for change in pairs.values())
+    kept, nominal = (setup.fabric.weave for setup in (clamped_pack, other))
+    assert low[0] == clamped_pack
+    weak = low[1].fabric.weave
+    assert weak.weft.failure_strain == pytest.approx(0.8 * nominal.weft.failure_strain)
+    assert weak.warp.failure_strain == pytest.approx(0.9 * nominal.warp.failure_strain)
+    strong = high[0].fabric.weave.warp.failure_strain
+    assert strong == pytest.approx(1.18 * kept.warp.failure_strain)
+    strong = high[1].fabric.weave.warp.failure_strain
+    assert strong == pytest.approx(1.3 * nominal.warp.failure_strain)
 
 
 def test_another_word_than_laws_asks_for_no_range(clamped_pack):
