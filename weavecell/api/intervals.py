@@ -18,7 +18,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
@@ -34,15 +33,30 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from weavecell.api.target import Target
-    from weavecell.studies.interval import Interval, Variation
-    from weavecell.studies.places import Places
+    from weavecell.studies.interval import Interval, IntervalPlan, Variation
 
 NAMES = ("interval.json", "interval.csv", "interval.svg", *out_folder.INPUT, "report.html")
 
 
-def plan_interval(
+def plan_answer(
     target: Target, quantity: str, tolerance: float | None, beside: Mapping[str, object]
-) -> IntervalPlan:
+) -> AnswerPlan:
+    """Plan the result of `plan_interval`.
+
+    Parameters
+    ----------
+    beside : {option: value} of options that an interval does not read; None of what is not given
+
+    Raises
+    ------
+    InputError : one of these options, or as `plan_interval`
+    """
+    quantities.refuse_unused(beside, "of an interval")
+    plan = plan_interval(target, quantity, tolerance)
+    return AnswerPlan(replace(target, setup=plan.first[0].setup), plan)
+
+
+def plan_interval(target: Target, quantity: str, tolerance: float | None = None) -> IntervalPlan:
     """Plan the answer of a target over what nobody knows.
 
     Parameters
@@ -51,17 +65,14 @@ def plan_interval(
     quantity : "shot" or "critical-velocity"
     tolerance : [m/s] of the brackets of a limit; None takes `studies.interval.WIDTH` of one ply,
         `limit.usual_tolerance` of a pack
-    beside : {option: value} of options that an interval does not read; None of what is not given
 
     Raises
     ------
-    InputError : one of these options, yarns that are pinned by the input, or what resolved yarns do
-        not have
+    InputError : yarns that are pinned by the input, or what resolved yarns do not have
     """
     from weavecell.studies import interval, places
     from weavecell.studies.ballistic_limit import first_guess
 
-    quantities.refuse_unused(beside, "of an interval")
     case = target.case
     if case is not None:
         if target.is_pinned:
@@ -86,8 +97,7 @@ def plan_interval(
         for run in first:
             # what resolved yarns do not have is refused before anything is run
             run.setup.plain_panels()
-    base = replace(target, setup=first[0].setup)
-    return IntervalPlan(base, setup, quantity, tolerance, struck, unknown, tuple(first))
+    return interval.IntervalPlan(setup, quantity, tolerance, struck, unknown, tuple(first))
 
 
 def _has_own_place(target):
@@ -103,90 +113,71 @@ def _has_own_place(target):
 
 
 @dataclass(frozen=True)
-class IntervalPlan(Plan["IntervalResult"]):
+class AnswerPlan(Plan["IntervalResult"]):
     """An answer over what nobody knows that is about to be computed.
 
     Parameters
     ----------
     target : Target, with the set-up of the first run
-    setup : ImpactSetup of resolved yarns, from which all runs are made
-    quantity : "shot" or "critical-velocity"
-    tolerance : [m/s] of the brackets of a limit; None of a shot, and of the usual one of a pack
-    places : Places
-    unknown : {what is assumed: (low, high)} of the frictions that nobody gave
-    first : the runs whose agreement is the answer
+    plan : `weavecell.studies.interval.IntervalPlan`
     """
 
     files = NAMES
 
     target: Target
-    setup: Any
-    quantity: str
-    tolerance: float | None
-    places: Places
-    unknown: Mapping[str, tuple[float, float]]
-    first: tuple[Variation, ...]
+    plan: IntervalPlan
 
     @property
     def inputs(self) -> Sequence[tuple]:
         """Set-up, quantity and tolerance of each of the first runs."""
-        return [self._take_row(run) for run in self.first]
-
-    def _take_row(self, run):
-        """The arguments of `sweep.row` of a Variation."""
-        from weavecell.studies import inputs
-
-        return inputs.use_one_thread(run.setup), self.quantity, self.tolerance
+        return [self.plan.arguments(run) for run in self.plan.first]
 
     @property
     def title(self) -> str:
         """What is computed."""
-        return f"{self.target.title}, {self.quantity.replace('-', ' ')} over what nobody knows"
+        return f"{self.target.title}, {self.plan.quantity.replace('-', ' ')} over what nobody knows"
 
     def forecast(self) -> StudySize:
         """Forecast shots and CPU time of the runs, and of those that follow if they do not agree."""
-        from weavecell.studies import interval
-
-        # the last place has no plane of symmetry, or as many as the others
-        place = self.places.listed[-1]
-        more = interval.plan_more(self.setup, place, self.unknown, self.first)
-        size = self._add_up(self.first)
-        if not more:
-            return size
-        return replace(size, more=self._add_up(more))
-
-    def _add_up(self, runs):
-        sizes = []
-        for run in runs:
-            panel = replace(self.target, setup=run.setup)
-            sizes.append(forecast_row(panel, self.quantity, 0, self.tolerance))
-        return StudySize.add_up(self.title, [run.name for run in runs], sizes)
+        return replace(forecast_all(self.plan, self.target), title=self.title)
 
     def run(self, running: Running) -> IntervalResult:
         """Compute the first runs, and if they do not agree those that tell what decides."""
         from weavecell.studies import interval
 
         log = logging.getLogger("weavecell")
-        size = self.forecast()
-        log.info(f"{self.title}: {counted(len(self.first), 'run')}, {size.cost}")
-        done = self._compute(self.first, running)
-        found = interval.Interval(self.quantity, self.places, self.unknown, done)
-        more = []
-        if not found.agrees:
-            more = interval.plan_more(self.setup, found.weakest, self.unknown, self.first)
-        if more:
-            cost = self._add_up(more).cost
-            log.info(f"they do not agree: {counted(len(more), 'run')} more, {cost}")
-            found = replace(found, runs=(*done, *self._compute(more, running)))
+        plans = [self.plan]
+        count = counted(len(self.plan.first), "run")
+        log.info(f"{self.title}: {count}, {self.forecast().cost}")
+        with running.count(count) as part:
+            (found,) = interval.begin(plans, report=part(), **running.cache)
+        if more := interval.find_more(self.plan, found):
+            count = counted(len(more), "run")
+            cost = add_up(self.plan, more, self.target).cost
+            log.info(f"they do not agree: {count} more, {cost}")
+            with running.count(count) as part:
+                (found,) = interval.follow_up(plans, [found], report=part(), **running.cache)
         return running.save(IntervalResult(self.target, found, running.wall_time))
 
-    def _compute(self, runs, running):
-        from weavecell.studies import interval, sweep
 
-        with running.count(counted(len(runs), "run")) as part:
-            arguments = [self._take_row(run) for run in runs]
-            rows = run_cache.results(sweep.row, arguments, report=part(), **running.cache)
-        return tuple(interval.Run(run, row) for run, row in zip(runs, rows))
+def forecast_all(plan: IntervalPlan, target: Target) -> StudySize:
+    """Forecast shots and CPU time of the runs of a plan, and of those that follow if these do not
+    agree."""
+    size = add_up(plan, plan.first, target)
+    # the last place has no plane of symmetry, or as many as the others
+    more = plan.plan_more(plan.places.listed[-1])
+    if not more:
+        return size
+    return replace(size, more=add_up(plan, more, target))
+
+
+def add_up(plan: IntervalPlan, runs: Sequence[Variation], target: Target) -> StudySize:
+    """Forecast shots and CPU time of some runs of a plan together."""
+    sizes = []
+    for run in runs:
+        panel = replace(target, setup=run.setup)
+        sizes.append(forecast_row(panel, plan.quantity, 0, plan.tolerance))
+    return StudySize.add_up(target.title, [run.name for run in runs], sizes)
 
 
 @explain_frozen

@@ -302,7 +302,7 @@ def critical_velocity(
     if width is not None:
         _refuse_wide(width, tolerance, panel.setup)
     if interval:
-        from weavecell.api.intervals import plan_interval
+        from weavecell.api.intervals import plan_answer
 
         beside = {
             "v50_shots": v50_shots,
@@ -313,7 +313,7 @@ def critical_velocity(
             **given,
         }
         # its result is another, as that of a check is
-        return cast(Any, plan_interval(panel, "critical-velocity", width, beside))
+        return cast(Any, plan_answer(panel, "critical-velocity", width, beside))
     pack = panel.setup.plies > 1
     if v50_shots is None:
         v50_shots = pack_limit.SHOTS if pack and scan is not True else 0

@@ -29,7 +29,7 @@ def find_unknown(target: Target, quantity: str) -> LeftOut | None:
     None if place and frictions are given or make no difference: pinned yarns are asked for by the input; and of a
     body of metal, beside which no yarns are resolved
     """
-    from weavecell.api.intervals import plan_interval
+    from weavecell.api.intervals import forecast_all, plan_interval
     from weavecell.studies import interval, places
 
     setup = target.setup
@@ -40,8 +40,8 @@ def find_unknown(target: Target, quantity: str) -> LeftOut | None:
         interval.FRICTIONS[name][0]: "{:g} to {:g}".format(*ends) for name, ends in unknown.items()
     }
     try:
-        plan = plan_interval(target, quantity, None, {})
-        size = plan.forecast()
+        plan = plan_interval(target, quantity)
+        size = forecast_all(plan, target)
     except InputError as problem:
         # a mesh of its own, say, which pinned yarns alone read: there are no places to choose from
         way = f"{option('interval')} refuses {problem.key}"

@@ -278,7 +278,7 @@ def impact(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
     if interval:
-        from weavecell.api.intervals import plan_interval
+        from weavecell.api.intervals import plan_answer
 
         # a command asks for the range "laws" by itself
         beside = {
@@ -286,7 +286,7 @@ def impact(
             "uncertainty": uncertainty or None,
         }
         # its result is another, as that of a check is
-        return cast(Any, plan_interval(panel, "shot", None, beside))
+        return cast(Any, plan_answer(panel, "shot", None, beside))
     over = ranges.with_ends(panel.setup, assumed_range)
     # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
     if panel.setup.plies > 1 or accuracy:

@@ -11,10 +11,11 @@ bound.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fabrics import data_sheet
+from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import inputs
@@ -127,6 +128,36 @@ def plan_more(
         if (place, frictions) not in known:
             more.append(vary(setup, place, frictions))
     return more
+
+
+@dataclass(frozen=True)
+class IntervalPlan:
+    """Runs that answer over what nobody knows, about to be made.
+
+    Parameters
+    ----------
+    setup : ImpactSetup of resolved yarns, from which all runs are made
+    quantity : SHOT or LIMIT
+    tolerance : [m/s] of the brackets of a limit; None of a shot, and of the usual one of a pack
+    places : Places
+    unknown : {what is assumed: (low, high)} of the frictions that nobody gave
+    first : the runs whose agreement is the answer
+    """
+
+    setup: ImpactSetup
+    quantity: str
+    tolerance: float | None
+    places: Places
+    unknown: Mapping[str, tuple[float, float]]
+    first: tuple[Variation, ...]
+
+    def plan_more(self, place: Place) -> list[Variation]:
+        """Plan the runs that follow if the first do not agree, at the place that stopped least."""
+        return plan_more(self.setup, place, self.unknown, self.first)
+
+    def arguments(self, run: Variation) -> tuple[ImpactSetup, str, float | None]:
+        """Return the arguments of `sweep.row` of a run."""
+        return inputs.use_one_thread(run.setup), self.quantity, self.tolerance
 
 
 @dataclass(frozen=True)
@@ -347,3 +378,46 @@ def _say_end(run):
     if run.outcome == "stopped":
         return run.outcome
     return f"{run.outcome} with {run.value:.1f} m/s left"
+
+
+def run_all(
+    plans: Sequence[IntervalPlan], wanted: Sequence[Sequence[Variation]], **runs: Any
+) -> list[tuple[Run, ...]]:
+    """Make runs of several plans, all beside each other.
+
+    Parameters
+    ----------
+    plans : of n intervals
+    wanted : (n,) the runs that are made of each
+    runs : folder, jobs, executor and report of `run_cache.results`
+    """
+    # it loads the statistics of a V50, which words about an interval do without
+    from weavecell.studies import sweep
+
+    arguments = [plan.arguments(run) for plan, own in zip(plans, wanted) for run in own]
+    rows = iter(run_cache.results(sweep.row, arguments, **runs))
+    return [tuple(Run(run, next(rows)) for run in own) for own in wanted]
+
+
+def begin(plans: Sequence[IntervalPlan], **runs: Any) -> list[Interval]:
+    """Make the first runs of several plans, whose agreement is an answer; `runs` as in `run_all`."""
+    done = run_all(plans, [plan.first for plan in plans], **runs)
+    return [
+        Interval(plan.quantity, plan.places, plan.unknown, own) for plan, own in zip(plans, done)
+    ]
+
+
+def find_more(plan: IntervalPlan, found: Interval) -> list[Variation]:
+    """Find the runs that tell what decides an interval; none if its runs agree."""
+    if found.agrees:
+        return []
+    return plan.plan_more(found.weakest)
+
+
+def follow_up(
+    plans: Sequence[IntervalPlan], found: Sequence[Interval], **runs: Any
+) -> list[Interval]:
+    """Make the runs of `find_more` of all intervals beside each other, and return these with them."""
+    wanted = [find_more(plan, one) for plan, one in zip(plans, found)]
+    done = run_all(plans, wanted, **runs)
+    return [replace(one, runs=(*one.runs, *more)) for one, more in zip(found, done)]

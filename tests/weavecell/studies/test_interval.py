@@ -282,8 +282,8 @@ def test_a_point_that_is_given_is_the_only_place(tmp_path):
     point = RESOLVED + '\nimpact_point = ["0.3 mm", "0.5 mm"]'
     scene.write_text(SCENE.format(yarns=point))
     made = wc.impact.plan(scene, interval=True)
-    assert [run.place.name for run in made.first] == 2 * ["at the given point"]
-    assert made.first[0].setup.impact_point == pytest.approx((0.3e-3, 0.5e-3))
+    assert [run.place.name for run in made.plan.first] == 2 * ["at the given point"]
+    assert made.plan.first[0].setup.impact_point == pytest.approx((0.3e-3, 0.5e-3))
 
 
 def test_a_shot_says_where_it_strikes_in_spacings_along_warp_and_weft():
