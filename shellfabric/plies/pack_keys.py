@@ -93,7 +93,7 @@ class PackKeys(PackNumbers):
         float | None,
         key(
             number(
-                "pack: Coulomb coefficient between plies; if not given 0 of a fabric of the catalogue, else assumed",
+                "pack: Coulomb coefficient between plies; if not given assumed, by the fibre family",
                 0.3,
                 ge=0.0,
                 le=2.0,

@@ -1,6 +1,6 @@
-"""The friction on the nose of a study's shots.
+"""The frictions on the nose and between plies of a study's shots.
 
-That of the thesis has none, and a study of meshes, models or costs compares shots with each other. A study that is held
+Those of the thesis have none, and a study of meshes, models or costs compares shots with each other. A study that is held
 against tests of others has `nose_friction = "assumed"` in its file: what users get who give none.
 """
 
@@ -20,8 +20,8 @@ ASSUMED = "assumed"
 
 
 def with_friction(setup: ImpactSetup, friction: float | str = THESIS) -> ImpactSetup:
-    """Return the set-up with a friction [-] on the nose, unless its keywords give one; ASSUMED
-    leaves it as it is.
+    """Return the set-up with a friction [-] on the nose and none between plies, unless its keywords
+    give them; ASSUMED leaves both as they are.
 
     Raises
     ------
@@ -32,6 +32,8 @@ def with_friction(setup: ImpactSetup, friction: float | str = THESIS) -> ImpactS
         if friction != ASSUMED:
             raise InputError(key="nose_friction", value=friction, allowed=f"a number, or {ASSUMED}")
         return setup
+    if is_assumed(setup.ply_friction):
+        setup = replace(setup, ply_friction=THESIS)
     if not is_assumed(nose.friction):
         return setup
     return replace(setup, projectile=replace(nose, friction=friction))

@@ -36,7 +36,7 @@ from shellfabric.solids import step_kernels
 from shellfabric.solids.mesh import SolidMesh
 from shellfabric.solids.model import SolidPatch
 from shellfabric.solids.solver import SolidSolver
-from validation.cases import block
+from validation.cases import block, noses
 from validation.claims import changed_fabrics
 from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
@@ -119,6 +119,8 @@ def setup(
     if isinstance(projectile, dict):
         keywords["projectile"] = PROJECTILE | projectile
     made = wc.setup(used, velocity, history=HISTORY | (history or {}), **keywords)
+    # the shots of the thesis have no friction between plies either
+    made = noses.with_friction(made)
     if projectile == "full bar":
         made = replace(made, projectile=replace(made.projectile, body=Bar.full()))
     if struck is not None:

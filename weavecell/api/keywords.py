@@ -99,8 +99,8 @@ class Keywords(TypedDict, total=False):
     ply_contact : pack: law of pressure against closure between two plies; if not given the law in
         the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
-    ply_friction : pack: Coulomb coefficient between plies; if not given 0 of a fabric of the
-        catalogue, else assumed; a number from 0 to 2
+    ply_friction : pack: Coulomb coefficient between plies; if not given assumed, by the fibre
+        family; a number from 0 to 2
     zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
         divided by `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the

@@ -232,15 +232,19 @@ def _fabric(table, key, file):
 
 
 def _mark_frictions(fabric, shot, panel):
-    """The fabric with the friction on the nose among what is assumed, unless the input file gives it
-    or has no shot; without that between plies where it is given or there is one ply."""
-    nose = data_sheet.FRICTION_OF_PROJECTILE
-    if shot is None or shot.friction is not None:
-        fabric = assumed.given(fabric, nose)
-    elif nose not in fabric.assumed:
-        fabric = replace(fabric, assumed=(*fabric.assumed, nose))
-    if panel is None or panel.plies == 1 or panel.ply_friction is not None:
-        fabric = assumed.given(fabric, data_sheet.FRICTION_BETWEEN_PLIES)
+    """The fabric with the frictions on the nose and between plies among what is assumed, but for one
+    that the input file gives or a scene without shot, or of one ply, does not have."""
+    given = {
+        data_sheet.FRICTION_OF_PROJECTILE: shot is None or shot.friction is not None,
+        data_sheet.FRICTION_BETWEEN_PLIES: (
+            panel is None or panel.plies == 1 or panel.ply_friction is not None
+        ),
+    }
+    for name, is_given in given.items():
+        if is_given:
+            fabric = assumed.given(fabric, name)
+        elif name not in fabric.assumed:
+            fabric = replace(fabric, assumed=(*fabric.assumed, name))
     return fabric
 
 

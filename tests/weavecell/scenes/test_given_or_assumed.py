@@ -132,42 +132,64 @@ def test_an_end_before_or_long_after_the_wave_is_at_the_edge_is_told_and_run(tim
 
 
 NOSES = ["FSP 1.10 g", "sphere 12 mm", "9 mm FMJ 8.0 g", None]
-# a fabric of the catalogue, an own one of its fibre, and an own one of a fibre with a friction of its own
-CLOTHS = {"S-731": 0.1, "glass-balanced": 0.1, "mine": 0.1, "carbon": 0.2}
+# frictions on the nose and between plies of a fabric of the catalogue, an own one of its fibre, and an own one of a
+# fibre with frictions of its own
+FABRICS = {
+    "S-731": (0.1, 0.2),
+    "glass-balanced": (0.1, 0.2),
+    "mine": (0.1, 0.2),
+    "carbon": (0.2, 0.25),
+}
 
 
 @pytest.fixture(scope="module")
-def cloths():
+def fabrics():
     """Load them; what has no law takes that of another, which no set-up reads here."""
     mine = wc.fabric(ROOT / "examples/fabrics/mine.toml")
     law = wc.fabric("S-720").laws
     own = {"mine": mine, "carbon": mine.with_yarns(E=230e9, fibre_density=1760.0)}
-    loaded = {name: own.get(name) or wc.fabric(name) for name in CLOTHS}
-    return {name: replace(cloth, laws=cloth.laws or law) for name, cloth in loaded.items()}
+    loaded = {name: own.get(name) or wc.fabric(name) for name in FABRICS}
+    return {name: replace(own, laws=own.laws or law) for name, own in loaded.items()}
 
 
 @pytest.mark.parametrize("nose", NOSES)
-@pytest.mark.parametrize("cloth", CLOTHS)
+@pytest.mark.parametrize("fabric", FABRICS)
 @pytest.mark.parametrize("plies", [1, 3])
-def test_no_nose_is_without_friction_unless_it_is_given(nose, cloth, plies, cloths):
+def test_no_nose_is_without_friction_unless_it_is_given(nose, fabric, plies, fabrics):
     """And each says what is assumed: the assumptions of the report, the lines of `--check` and of a result."""
     options = {"plies": plies, "opening": "60 mm"}
     if nose is not None:
         options["projectile"] = nose
-    made = wc.setup(cloths[cloth], 210.0, **options)
+    made = wc.setup(fabrics[fabric], 210.0, **options)
     friction = made.projectile.friction
     low, high = friction.span
-    assert friction == CLOTHS[cloth]
+    assert friction == FABRICS[fabric][0]
     assert low == 0 < friction < high
     assert made.projectile.assumptions[-1] == (
         f"Friction on the fabric {friction:g}, assumed 0 to {high:g}."
     )
     told = f"assumed: friction of the projectile {friction:g} (0.0 .. "
     assert [line for line in assumed.lines(made.fabric) if line.startswith(told)]
-    given = wc.setup(cloths[cloth], 210.0, **options | {"projectile": of_given(nose, 0.0)})
+    given = wc.setup(fabrics[fabric], 210.0, **options | {"projectile": of_given(nose, 0.0)})
     assert given.projectile.friction == 0.0
     assert not is_assumed(given.projectile.friction)
     assert not any("friction of the projectile" in line for line in assumed.lines(given.fabric))
+
+
+@pytest.mark.parametrize("fabric", FABRICS)
+def test_no_plies_are_without_friction_unless_it_is_given(fabric, fabrics):
+    """And one ply assumes none."""
+    made = wc.setup(fabrics[fabric], 210.0, plies=3, opening="60 mm")
+    low, high = made.ply_friction.span
+    assert made.ply_friction == FABRICS[fabric][1]
+    assert low < made.ply_friction < high
+    told = f"assumed: friction between plies {made.ply_friction:g} ("
+    assert [line for line in assumed.lines(made.fabric) if line.startswith(told)]
+    given = wc.setup(fabrics[fabric], 210.0, plies=3, opening="60 mm", ply_friction=0.0)
+    single = wc.setup(fabrics[fabric], 210.0, opening="60 mm")
+    assert not is_assumed(given.ply_friction)
+    for other in (given, single):
+        assert not any("friction between plies" in line for line in assumed.lines(other.fabric))
 
 
 def of_given(nose, friction):
@@ -177,19 +199,19 @@ def of_given(nose, friction):
     return {"name": nose, "friction": friction}
 
 
-def test_a_hybrid_pack_assumes_the_friction_of_what_is_struck_in_the_range_of_all(cloths):
+def test_a_hybrid_pack_assumes_the_friction_of_what_is_struck_in_the_range_of_all(fabrics):
     """0.1 of aramid, which is struck, up to 0.4 of carbon behind it."""
     shot = check(SHOT, None, "shot").projectile
-    first = build.make_projectile(shot, cloths["mine"], cloths["carbon"])
-    other = build.make_projectile(shot, cloths["carbon"], cloths["mine"])
+    first = build.make_projectile(shot, fabrics["mine"], fabrics["carbon"])
+    other = build.make_projectile(shot, fabrics["carbon"], fabrics["mine"])
     assert (first.friction, *first.friction.span) == (0.1, 0.0, 0.4)
     assert (other.friction, *other.friction.span) == (0.2, 0.0, 0.4)
 
 
-def test_a_fabric_of_another_shot_is_marked_by_the_shot_that_it_is_in(cloths):
+def test_a_fabric_of_another_shot_is_marked_by_the_shot_that_it_is_in(fabrics):
     """Given, and then not given, and given again: a fabric is taken from one set-up to the next."""
     given = {"projectile": of_given(None, 0.17)}
-    first = wc.setup(cloths["S-731"], 90.0, **given)
+    first = wc.setup(fabrics["S-731"], 90.0, **given)
     second = wc.setup(first.fabric, 90.0)
     third = wc.setup(second.fabric, 90.0, **given)
     name = data_sheet.FRICTION_OF_PROJECTILE
