@@ -1,7 +1,7 @@
 """The frictions on the nose and between plies of a study's shots.
 
-Those of the thesis have none, and a study of meshes, models or costs compares shots with each other. A study that is held
-against tests of others has `nose_friction = "assumed"` in its file: what users get who give none.
+Those of the thesis have none, and a study of meshes, models or costs compares shots with each other. A study that is
+held against tests of others has `nose_friction = "assumed"` in its file: what users get who give none.
 """
 
 from __future__ import annotations
