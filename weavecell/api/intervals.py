@@ -180,6 +180,27 @@ def add_up(plan: IntervalPlan, runs: Sequence[Variation], target: Target) -> Stu
     return StudySize.add_up(target.title, [run.name for run in runs], sizes)
 
 
+def leave_out(
+    parts: Sequence[LeftOut], target: Target, found: Interval, ranged: bool
+) -> tuple[LeftOut, ...]:
+    """Return what numbers over an interval leave out: as of one run, but of what is assumed that
+    which its runs do not vary.
+
+    Parameters
+    ----------
+    ranged : whether a range over all that is assumed stands beside
+    """
+    from weavecell.studies import assumed_range
+
+    others = tuple(part for part in parts if part.kind != DATA)
+    names = [name for name in assumed_range.changes(target.setup) if name not in found.unknown]
+    if ranged or not names:
+        return others
+    varied = "only the place and frictions are varied"
+    text = f"{varied}, the range over {', '.join(names)} is not computed"
+    return LeftOut(DATA, "", text), *others
+
+
 @explain_frozen
 @dataclass(frozen=True, repr=False)
 class IntervalResult(StudyResult):
@@ -248,23 +269,7 @@ class IntervalResult(StudyResult):
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `StudyResult`; of what is assumed, what the runs do not vary."""
-        others = [part for part in super().left_out if part.kind != DATA]
-        names = ", ".join(self._not_varied)
-        if not names:
-            return tuple(others)
-        text = f"only the place and frictions are varied, the range over {names} is not computed"
-        return LeftOut(DATA, "", text), *others
-
-    @property
-    def _not_varied(self):
-        """What else is assumed, in words."""
-        from weavecell.studies import assumed_range
-
-        return [
-            name
-            for name in assumed_range.changes(self.target.setup)
-            if name not in self.interval.unknown
-        ]
+        return leave_out(super().left_out, self.target, self.interval, ranged=False)
 
     @property
     def headline(self) -> tuple[str, str]:
@@ -282,23 +287,8 @@ class IntervalResult(StudyResult):
     @property
     def _named(self):
         """The runs, with the columns of the table that the solver does not give."""
-        from weavecell.studies import interval
-
-        rows = []
-        for run in self.interval.runs:
-            setup = run.variation.setup
-            of_run = {
-                "place": run.variation.place.name,
-                "friction_between_yarns": float(setup.crossovers.friction),
-                "friction_on_nose": float(setup.projectile.friction),
-            }
-            if setup.plies > 1:
-                of_run["friction_between_plies"] = float(setup.ply_friction)
-            of_run["modelled_part"] = setup.symmetry
-            if self.interval.quantity == interval.SHOT:
-                of_run["strike_velocity_m_s"] = float(setup.strike_velocity)
-            rows.append(of_run | dict(run.row))
-        return rows
+        quantity = self.interval.quantity
+        return [run.variation.columns(quantity) | dict(run.row) for run in self.interval.runs]
 
     def _columns(self):
         rows = self._named

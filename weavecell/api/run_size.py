@@ -442,6 +442,9 @@ class StudySize(_Size):
             "foreseen": tuple(foreseen),
             "said": Wording.merge(names, [size.said for size in sizes]),
         }
+        follow = {name: size.more for name, size in zip(names, sizes) if size.more is not None}
+        if follow:
+            told["more"] = cls.add_up(title, [*follow], [*follow.values()])
         return cls(title, shots, searches, (low, high), of_range, **told)
 
     def summary(self) -> dict[str, Any]:

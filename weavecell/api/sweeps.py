@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import logging
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -36,6 +37,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
+from weavecell.api.intervals import add_up, forecast_all, leave_out, plan_interval
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.limits import NO_LIMIT
 from weavecell.api.result import Result, figure, plain
@@ -55,6 +57,7 @@ from weavecell.api.varied_setup import read_key, vary_setup
 from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
 from weavecell.results.keys import find_axis
+from weavecell.results.left_out import LeftOut
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
 
@@ -64,6 +67,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
     from weavecell.scenes.fabric_table import Reader
+    from weavecell.studies.interval import Interval, IntervalPlan
 
 SEED = "panel.strength.seed"
 # what a notebook shows of each shot
@@ -94,6 +98,7 @@ class SweepPlan(Plan["SweepTable"]):
     tolerance : [m/s] of the bracket of a limit, None for the usual one
     shots, seed : of a V50
     one_at_a_time : whether each row but the first changes one key
+    intervals : the IntervalPlan of each row; none where a row is one run
     """
 
     files = NAMES
@@ -106,6 +111,7 @@ class SweepPlan(Plan["SweepTable"]):
     shots: int
     seed: int
     one_at_a_time: bool
+    intervals: tuple[IntervalPlan, ...] = ()
 
     @property
     def target(self) -> Target:
@@ -119,9 +125,11 @@ class SweepPlan(Plan["SweepTable"]):
 
     @property
     def inputs(self) -> Sequence[tuple]:
-        """Set-up, quantity and tolerance of each row."""
+        """Set-up, quantity and tolerance of each row, or of each first run of its interval."""
         from weavecell.studies import inputs
 
+        if self.intervals:
+            return [plan.arguments(run) for plan in self.intervals for run in plan.first]
         return [
             (inputs.use_one_thread(panel.setup), self.quantity, self.tolerance)
             for panel in self.panels
@@ -132,18 +140,54 @@ class SweepPlan(Plan["SweepTable"]):
         sizes = [
             forecast_row(panel, self.quantity, self.shots, self.tolerance) for panel in self.panels
         ]
+        if self.intervals:
+            rows = zip(self.intervals, self.panels, sizes)
+            # the words are those of the first run of each row
+            sizes = [
+                replace(forecast_all(plan, panel), said=first.said) for plan, panel, first in rows
+            ]
         names = list(map(_say_changes, self.combinations))
         return StudySize.add_up(self.title, names, sizes)
 
     def run(self, running: Running) -> SweepTable:
         """Compute the rows."""
-        rows = self._compute_rows(running)
+        found: tuple[Interval, ...] = ()
+        if self.intervals:
+            from weavecell.studies import sweep as studies
+
+            found = tuple(self._compute_intervals(running))
+            rows = list(map(studies.row_of_interval, found))
+        else:
+            rows = self._compute_rows(running)
         table = []
         for changes, panel, row in zip(self.combinations, self.panels, rows):
             areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
             table.append(dict.fromkeys(self.keys) | changes | areal_density | row)
-        result = SweepTable(self.quantity, self.keys, tuple(table), self.panels, self.one_at_a_time)
+        result = SweepTable(
+            self.quantity, self.keys, tuple(table), self.panels, self.one_at_a_time, found
+        )
         return running.save(result)
+
+    def _compute_intervals(self, running):
+        """The Interval of each row, the runs of all rows beside each other."""
+        from weavecell.studies import interval
+
+        log = logging.getLogger("weavecell")
+        plans = self.intervals
+        runs = counted(sum(len(plan.first) for plan in plans), "run")
+        log.info(f"{self.title} over what nobody knows: {runs}, {self.forecast().cost}")
+        with running.count(runs) as part:
+            found = interval.begin(plans, report=part(), **running.cache)
+        wanted = [interval.find_more(plan, one) for plan, one in zip(plans, found)]
+        if not any(wanted):
+            return found
+        rows = zip(plans, wanted, self.panels)
+        sizes = [add_up(plan, more, panel) for plan, more, panel in rows if more]
+        runs = counted(sum(map(len, wanted)), "run")
+        cost = StudySize.add_up(self.title, [size.title for size in sizes], sizes).cost
+        log.info(f"in {counted(len(sizes), 'row')} they do not agree: {runs} more, {cost}")
+        with running.count(runs) as part:
+            return interval.follow_up(plans, found, report=part(), **running.cache)
 
     def _compute_rows(self, running):
         from weavecell.studies import sweep as studies
@@ -207,6 +251,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     shots: int | None = None,
     seed: int | None = None,
     one_at_a_time: bool = False,
+    interval: bool = False,
     check: bool = False,
     out: FilePath | None = None,
     **options: Unpack[ResumableKeywords],
@@ -239,6 +284,9 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     seed : of a V50, of all that is drawn; if not given 1
     one_at_a_time : compute the input file as it is, and then each value alone, in place of all
         combinations
+    interval : of shots and critical velocities, the answer of each row over what nobody knows, with
+        resolved yarns, as `impact` and `critical_velocity` have it: lowest and highest value, and
+        what decides. Two to six runs a row
     check : run nothing and write nothing: forecast shots and CPU time
     out : folder of the results; in Python None writes nothing. Of set-ups nothing is written
     **options : jobs, executor and resume
@@ -263,6 +311,10 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     ...                                  "projectile.strike_velocity": ["150 m/s"]})
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
+    >>> quick = {"panel.opening": ["30 mm"], "run.end_time": ["8 us"]}
+    >>> table = wc.sweep("S-720", over=quick | {"projectile.strike_velocity": ["150 m/s"]}, interval=True)
+    >>> [table.rows[0][name] for name in ("outcome", "runs")]
+    ['in flight', 2]
     """
     for name, value in options.items():
         if name in keywords.tables():
@@ -272,6 +324,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     target = _one_setup(target)
     if not (is_setup(target) or isinstance(target, (str, Path))):
         unused = {"over": over, "tolerance": tolerance, "shots": shots, "seed": seed}
+        unused["interval"] = interval or None
         quantities.refuse_unused(unused, "beside set-ups")
         if out is not None:
             allowed = "left out of set-ups: an input file, or a fabric, has a report"
@@ -287,6 +340,11 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         )
     if quantity != "v50":
         quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
+    if quantity == "v50" and interval:
+        allowed = (
+            "left out of v50, whose shots strike anywhere; or quantity shot or critical-velocity"
+        )
+        raise InputError(key="interval", allowed=allowed)
     if quantity != "critical-velocity":
         quantities.refuse_unused({"tolerance": tolerance}, f"with {quantity}")
     width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 60))
@@ -322,6 +380,13 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             strengths.check(panel.setup, inputs.read_scatter())
         elif quantity == "critical-velocity":
             strengths.require_failure(panel.setup, NO_LIMIT)
+    intervals = []
+    if interval:
+        intervals = [plan_interval(panel, quantity, width) for panel in panels]
+        # what is told of a row is of the yarns that are resolved
+        panels = [
+            replace(panel, setup=plan.first[0].setup) for panel, plan in zip(panels, intervals)
+        ]
     return SweepPlan(
         tuple(panels),
         tuple(combinations),
@@ -331,6 +396,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         count,
         first,
         one_at_a_time,
+        tuple(intervals),
     )
 
 
@@ -465,6 +531,7 @@ class SweepTable(StudyResult):
     targets : the Target of each
     one_at_a_time : whether the first row is the input file, and each other row changes one key, the
         others being None
+    intervals : `weavecell.studies.interval.Interval` of each row; none where a row is one run
 
     Examples
     --------
@@ -480,6 +547,7 @@ class SweepTable(StudyResult):
     rows: tuple[dict[str, Any], ...]
     targets: tuple[Target, ...]
     one_at_a_time: bool = False
+    intervals: tuple[Interval, ...] = ()
 
     @property
     def target(self) -> Target:  # type: ignore[override]
@@ -502,6 +570,24 @@ class SweepTable(StudyResult):
             return v50.as_fired(super().fired)
         return super().fired
 
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """As in `StudyResult`; of what is assumed, what no run varies."""
+        parts = super().left_out
+        if not self.intervals:
+            return parts
+        return leave_out(parts, self.target, self.intervals[0], ranged=False)
+
+    @property
+    def _drawn(self):
+        """The `Quantity` of its columns."""
+        from weavecell.studies.sweep import QUANTITIES
+
+        quantity = QUANTITIES[self.quantity]
+        if self.intervals:
+            return quantity.over_unknown
+        return quantity
+
     def summary(self) -> dict[str, Any]:
         """Count the rows of each outcome."""
         return dict(Counter(row["outcome"] for row in self.rows)) | self._what_is_doubtful()
@@ -521,12 +607,15 @@ class SweepTable(StudyResult):
 
     @property
     def headline(self) -> tuple[str, str]:
-        from weavecell.studies.sweep import QUANTITIES
-
-        quantity = QUANTITIES[self.quantity]
+        quantity = self._drawn
         over = f"over {self._varied_words}"
         label = find_axis(quantity.column).words.capitalize()
-        values = [row[quantity.column] for row in self.rows if row.get(quantity.column) is not None]
+        columns = [quantity.column]
+        if self.intervals:
+            columns = quantity.ends
+            over += " and what nobody knows"
+        found = [row.get(column) for row in self.rows for column in columns]
+        values = [value for value in found if value is not None]
         outcomes = list(dict.fromkeys(row["outcome"] for row in self.rows))
         # one that all share, such as "stopped", says more than their residual velocities of 0
         if len(outcomes) == 1 and not any(values):
@@ -555,9 +644,8 @@ class SweepTable(StudyResult):
     def draw(self, pyplot: Any) -> Figure:
         """Draw the quantity against the first key that varies."""
         from weavecell.report import pictures_uncertainty
-        from weavecell.studies.sweep import QUANTITIES
 
-        quantity = QUANTITIES[self.quantity]
+        quantity = self._drawn
         if self.one_at_a_time:
             return pictures_uncertainty.one_at_a_time(
                 pyplot, list(map(self._changes, self.rows)), self.to_dataframe(), quantity
@@ -616,7 +704,12 @@ class SweepTable(StudyResult):
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}, as `StudyResult` does."""
-        content = {"quantity": self.quantity, "rows": self.rows}
+        content: dict[str, Any] = {"quantity": self.quantity, "rows": self.rows}
+        if self.intervals:
+            content["runs"] = [
+                [run.variation.columns(self.quantity) | dict(run.row) for run in found.runs]
+                for found in self.intervals
+            ]
         return {
             "sweep.json": content,
             "sweep.csv": self.to_csv(),
@@ -627,6 +720,8 @@ class SweepTable(StudyResult):
         """Write the lines that are printed."""
         from weavecell.studies.sweep import INTERVAL, MIXED, QUANTITIES
 
+        if self.intervals:
+            return self._lines_of_intervals()
         quantity = QUANTITIES[self.quantity]
         lines = []
         for row in self.rows:
@@ -644,6 +739,17 @@ class SweepTable(StudyResult):
         if SEED in self.keys and quantity.column == "residual_velocity_m_s":
             lines += self._scatter()
         return lines
+
+    def _lines_of_intervals(self):
+        """The answer of each row, with what is doubtful of its runs."""
+        lines = []
+        for row, found in zip(self.rows, self.intervals):
+            parts = [f"{self._changes(row)}: {found.words()}"]
+            if found.doubtful:
+                parts.append(row["checks"])
+            parts.append(row.get("widened", ""))
+            lines.append("; ".join(filter(None, parts)))
+        return [*lines, "an interval is the envelope of the runs of its row, and no bound"]
 
 
 def _fire(setup):

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fabrics.base.counted import counted
-from weavecell.report.pictures_style import BLUE, FAINT, GREEN, INK, ORANGE, RED, legend_beside
+from weavecell.report.pictures_style import (
+    BLUE,
+    COLOURS,
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    RED,
+    legend_beside,
+)
 from weavecell.results.keys import find_axis
 from weavecell.studies import probit
 
@@ -127,12 +136,13 @@ def sweep(
         columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ()))))
     )
     table = table.assign(x=x)
-    # mixed outcomes have no single value: the middle of the zone stands for it
+    # mixed outcomes, and what nobody knows, have no single value: bars about the middle stand for it
     if quantity.ends is not None:
         middle = table[list(quantity.ends)].astype(float).mean(axis=1)
         table[quantity.column] = table[quantity.column].astype(float).fillna(middle)
     table = table.dropna(subset=[quantity.column])
-    for values, rows in table.groupby(list(others) or (lambda _: 0), sort=False):
+    groups = table.groupby(list(others) or (lambda _: 0), sort=False)
+    for number, (values, rows) in enumerate(groups):
         y = rows[quantity.column]
         error = None
         if quantity.ends is not None:
@@ -142,7 +152,14 @@ def sweep(
         name = ", ".join(f"{key} = {value}" for key, value in zip(others, given))
         # nothing lies between two texts, such as names of fabrics
         line = "o" if isinstance(x[0], str) else "o-"
-        axes.errorbar(rows["x"], y, yerr=error, fmt=line, ms=6, capsize=4, label=name or None)
+        if quantity.is_span:
+            line = "none"
+        look: dict[str, Any] = {"fmt": line, "ms": 6, "capsize": 4, "label": name or None}
+        if quantity.is_span:
+            # bars at one place: each is drawn within the one before
+            colour = COLOURS[number % len(COLOURS)]
+            look |= {"color": colour, "elinewidth": max(12 - 4 * number, 2), "capsize": 7}
+        axes.errorbar(rows["x"], y, yerr=error, **look)
     axes.set(xlabel=label, ylabel=label_quantity(quantity))
     _, top = axes.get_ylim()
     axes.set_ylim(0, 1.05 * top)
@@ -156,9 +173,17 @@ def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantit
     """Draw a quantity of each row of a sweep, with what the row changes at its side; the first row
     changes nothing."""
     figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(changes)))
-    values = table.reindex(columns=[quantity.column])[quantity.column].astype(float)
-    axes.plot(values, range(len(changes)), "o", color=BLUE)
-    axes.axvline(values[0], color=FAINT, lw=1)
+    if quantity.is_span:
+        assert quantity.ends is not None
+        low, high = (table[end].astype(float) for end in quantity.ends)
+        axes.hlines(range(len(changes)), low, high, color=BLUE, lw=5)
+        # of two ends that are one
+        axes.plot(low, range(len(changes)), "|", color=BLUE, ms=12, mew=2)
+        axes.axvspan(low[0], high[0], color=FAINT, alpha=0.25, lw=0)
+    else:
+        values = table.reindex(columns=[quantity.column])[quantity.column].astype(float)
+        axes.plot(values, range(len(changes)), "o", color=BLUE)
+        axes.axvline(values[0], color=FAINT, lw=1)
     axes.set_yticks(range(len(changes)), changes)
     axes.invert_yaxis()
     axes.set(xlabel=label_quantity(quantity))

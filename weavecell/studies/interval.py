@@ -25,6 +25,7 @@ from weavecell.studies.places import Place, Places, strike_at
 SHOT = "shot"
 LIMIT = "critical-velocity"
 PLACE = "the place"
+DEPENDS = "depends"  # outcome of shots that differ
 # {what is assumed: (in words, what tells it)}
 FRICTIONS = {
     inputs.FRICTION_OF_CROSSOVERS: (
@@ -64,6 +65,22 @@ class Variation:
     def name(self) -> str:
         """Place and frictions in words."""
         return ", ".join((self.place.name, *_say_frictions(self.frictions)))
+
+    def columns(self, quantity: str) -> dict[str, Any]:
+        """Return what is run for SHOT or LIMIT, as columns of the table of an Interval."""
+        setup = self.setup
+        assert setup.crossovers is not None
+        found: dict[str, Any] = {
+            "place": self.place.name,
+            "friction_between_yarns": float(setup.crossovers.friction),
+            "friction_on_nose": float(setup.projectile.friction),
+        }
+        if setup.plies > 1:
+            found["friction_between_plies"] = float(setup.ply_friction)
+        found["modelled_part"] = setup.symmetry
+        if quantity == SHOT:
+            found["strike_velocity_m_s"] = float(setup.strike_velocity)
+        return found
 
 
 def _say_frictions(values):
@@ -244,7 +261,7 @@ class Interval:
     def outcome(self) -> str:
         """Of all shots; "depends" where they differ; "" of limits."""
         if len(self.outcomes) > 1:
-            return "depends"
+            return DEPENDS
         return "".join(self.outcomes)
 
     @property
