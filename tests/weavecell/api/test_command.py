@@ -61,7 +61,13 @@ OPTIONS = {
         "mesh": ["2,2,1", "2,2,2"],
     },
 }
-SWEPT = {"tolerance": [1, 2], "shots": [8, 9], "seed": [1, 2], "one_at_a_time": [True, False]}
+SWEPT = {
+    "interval": [True, False],
+    "tolerance": [1, 2],
+    "shots": [8, 9],
+    "seed": [1, 2],
+    "one_at_a_time": [True, False],
+}
 
 
 @pytest.fixture

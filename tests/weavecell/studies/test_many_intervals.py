@@ -79,7 +79,12 @@ def test_a_row_of_a_sweep_has_both_ends_of_an_interval_and_what_decides():
     alike = answer("critical-velocity", first, (GAP, 0.1, 0.0, limit(104.0, 105.0)))
     row = sweep.row_of_interval(alike)
     ends = row["critical_velocity_low_m_s"], row["critical_velocity_high_m_s"]
-    assert (row["outcome"], row["decides"], *ends) == ("alike wherever it strikes", "", 102.0, 104.5)
+    assert (row["outcome"], row["decides"], *ends) == (
+        "alike wherever it strikes",
+        "",
+        102.0,
+        104.5,
+    )
     differ = answer("critical-velocity", first, (GAP, 0.1, 0.0, limit(70.0, 74.0)))
     row = sweep.row_of_interval(differ)
     assert (row["outcome"], row["decides"]) == ("depends", "the place")
@@ -140,9 +145,8 @@ def test_rows_that_do_not_agree_are_followed_up(scene, monkeypatch):
     assert [len(one.runs) for one in found.intervals] == [3, 5]
     assert list(found.to_dataframe()["outcome"]) == ["stopped", "depends"]
     assert len(fired) == 8
-    assert found.lines()[1].startswith(
-        "strike velocity 120 m/s: stopped to perforated with 40.0 m/s left: the place and friction between yarns decide; "
-    )
+    told = "stopped to perforated with 40.0 m/s left: the place and friction between yarns decide; "
+    assert found.lines()[1].startswith(f"strike velocity 120 m/s: {told}")
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
