@@ -6,6 +6,8 @@ from __future__ import annotations
 from math import inf
 from typing import Any
 
+from fabrics import assumed
+from fabrics.base.assumed_number import Assumed
 from shellfabric.block.block import Backing
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.histories import HistoryRequest
@@ -57,7 +59,10 @@ def list_assumptions(
         rows.append(("between plies", _between_plies(setup)))
     if setup.backing is not None:
         rows.append(("block behind", setup.backing.assumptions))
-    return [(name, " ".join(sentences)) for name, sentences in rows]
+    said = [(name, " ".join(sentences)) for name, sentences in rows]
+    for fabric in setup.fabrics:
+        said += [("range of a number", line) for line in assumed.ranges_of_measured(fabric)]
+    return said
 
 
 def list_choices(setup: ImpactSetup) -> dict[str, str]:
@@ -165,10 +170,12 @@ def _say_aim(setup, drawn):
 
 def _between_plies(setup):
     """Friction, gap and contact of the plies of a pack."""
+    words = "No friction"
     if setup.ply_friction:
-        yield f"Friction {setup.ply_friction:g}."
-    else:
-        yield "No friction."
+        words = f"Friction {setup.ply_friction:g}"
+    if isinstance(setup.ply_friction, Assumed):
+        words += ", assumed {:g} to {:g}".format(*setup.ply_friction.span)
+    yield f"{words}."
     gaps = {setup.ply_gap}
     if setup.lay_up:
         gaps = {ply.gap for ply in setup.lay_up[:-1]}

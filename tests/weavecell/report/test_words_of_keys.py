@@ -94,7 +94,8 @@ ONE_OF = {
         },
     },
     "between plies": {
-        "No friction.": {"plies": 2},
+        "Friction 0.2, assumed 0.15 to 0.25.": {"plies": 2},
+        "No friction.": {"plies": 2, "ply_friction": 0.0},
         "Friction 0.25. Plies at rest are 0.1 mm apart.": {
             "plies": 2,
             "ply_friction": 0.25,
@@ -203,7 +204,7 @@ def test_the_check_of_several_set_ups_says_whose_a_choice_is():
     size = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
     said = dict(size.said.assumptions)
     two, three, one = (f"panel plies {n}, panel opening 20 mm" for n in (2, 3, 1))
-    assert said[f"between plies ({two}; {three})"] == "No friction."
+    assert said[f"between plies ({two}; {three})"] == "Friction 0.2, assumed 0.15 to 0.25."
     assert "pass far below" in said[f"crossovers ({one})"]
     assert "pass far below" not in said[f"crossovers ({two}; {three})"]
     assert said["strain rate"].endswith("do not depend on it.")

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fabrics import assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.counted import counted
 from fabrics.base.door import option
@@ -353,8 +352,6 @@ def assumptions(
 
     rows = in_words.list_assumptions(setup, body=body, drawn=drawn)
     rows += [("assumed law", line) for line in lines]
-    for fabric in setup.fabrics:
-        rows += [("range of a number", line) for line in assumed.ranges_of_measured(fabric)]
     table = Table(("of", "in this run"), tuple(rows))
     return Section("assumptions", "Assumptions", tables=(table,))
 
