@@ -172,7 +172,7 @@ def front_page() -> str:
         [
             f"tests of S-726: stopped at 96, perforated at {TESTED}, V50 {v50['measured']} ± {v50['sigma']} m/s",
             f"limit {limit:.0f}, V50 {float(v50['computed']):.1f} ± {float(v50['error']):.1f} m/s",
-            "perforation **missed**",
+            verdict_of_tests(v50),
         ],
         packs_of_twaron(),
         [
@@ -269,6 +269,14 @@ def s726() -> tuple[float, dict[str, str]]:
 def difference_of(row: dict[str, str]) -> str:
     """Return "a" if a measured row shows that the model is off, else "no"."""
     return "a" if abs(float(row["E"])) > float(row["u_val"]) else "no"
+
+
+def verdict_of_tests(row: dict[str, str]) -> str:
+    """Return the verdict on the two tests of a ply and on their V50, a measured row."""
+    verdict = "perforation **missed**"
+    if difference_of(row) == "a":
+        verdict += f"; V50 **{float(row['E']):+.0f} m/s**, u_val {float(row['u_val']):.0f}"
+    return verdict
 
 
 def two_tests() -> str:
