@@ -46,8 +46,8 @@ def test_momentum_of_all_three_is_kept(fabric, faces):
     block = march.part("block").block
     # the block is a step ahead: what it was given last still waits in state.f_block_cloth and state.f_block_nose
     waiting = sum(b.sum() for b in state.f_block_cloth[2:]) + state.f_block_nose[2]
-    cloth = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2]
-    found = cloth + const.dt * waiting + block.momentum
+    fabric = float(state.mass @ state.v[2]) + const.projectile_mass * state.projectile_velocity[2]
+    found = fabric + const.dt * waiting + block.momentum
     moving = float(block.mass @ block.v[:, 2])
     assert moving > 0.02 * start
     assert found == pytest.approx(start, rel=1e-9)

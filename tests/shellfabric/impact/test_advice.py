@@ -43,7 +43,7 @@ OBLIQUE = replace(
 FINER = {"elements_per_crossover": 2}
 
 
-def knob(**numbers):
+def numerics(**numbers):
     """Numerics that nobody checks."""
     return {"numerics": Unchecked(threads=1, **numbers)}
 
@@ -51,13 +51,13 @@ def knob(**numbers):
 USUAL = {"numerics": SHOT.numerics}
 # check: (shot that raises it, what its advice changes)
 SCENES = {
-    "time step": (replace(SHOT, **knob(cfl=1.2)), USUAL),
+    "time step": (replace(SHOT, **numerics(cfl=1.2)), USUAL),
     "tension oscillation": (
-        replace(SHOT, yarn_failure=False, **knob(stretch_viscosity=0.0)),
+        replace(SHOT, yarn_failure=False, **numerics(stretch_viscosity=0.0)),
         USUAL,
     ),
-    "nose penetration": (replace(SHOT, **knob(penalty=0.02)), USUAL),
-    "contact point spacing": (replace(SHOT, **knob(contact_points=2)), USUAL),
+    "nose penetration": (replace(SHOT, **numerics(penalty=0.02)), USUAL),
+    "contact point spacing": (replace(SHOT, **numerics(contact_points=2)), USUAL),
     "element side": (NARROW, FINER),
     "element over failure length": (replace(NARROW, strike_velocity=400.0), FINER),
     "yarns an element": (

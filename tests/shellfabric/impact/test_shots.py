@@ -45,9 +45,9 @@ def fire(panel, speed=150.0, steps=250):
 def test_energy_of_every_shot_balances(small, shape, attitude):
     """Also where points slide: over a step the last force does work in its own direction, not in the present one."""
     # the error of the time integration, four times less, is not what is asked after
-    knobs = Numerics(cfl=0.5)
+    numbers = Numerics(cfl=0.5)
     panel = small(
-        symmetry="whole", projectile=shot(shape, **attitude), yarn_failure=False, numerics=knobs
+        symmetry="whole", projectile=shot(shape, **attitude), yarn_failure=False, numerics=numbers
     )
     march = PackSolver(panel, 110.0, 50e-6).run()
     assert abs(march.sample("error")).max() < 1e-4 * march.strike_energy

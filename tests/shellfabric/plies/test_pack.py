@@ -82,8 +82,8 @@ CONTACTS = {
 @pytest.mark.parametrize("grading", [None, ((7, 1), (np.inf, 2)), ((7, 0.5), (np.inf, 1))])
 def test_colliding_plies_keep_momentum_and_energy(ply, grading, contact):
     free = replace(ply, boundary="free", symmetry="whole", opening=(0.034, 0.034), grading=grading)
-    knobs, (least, most) = CONTACTS[contact]
-    pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=knobs)
+    numbers, (least, most) = CONTACTS[contact]
+    pack = Pack.stacked(free, 2, stacking="alternating", gap=20e-6, contact=numbers)
     march, before, energy = collide(pack, (0.0, 0.0, 20.0), 300)
     sums = momenta(march)
     assert_allclose(sums.sum(axis=0), before, atol=1e-12 * before[2])

@@ -58,10 +58,10 @@ def radius(stiffness, before, foreseen=True):
     """Spectral radius of a step of the row of nodes under the nose, on springs at 0.81 of what the step bears."""
     B = shares()
     usual = before.sum() / PER**2
-    cloth = 0.81 * (2 * np.eye(ROW) - np.eye(ROW, k=1) - np.eye(ROW, k=-1))
+    fabric = 0.81 * (2 * np.eye(ROW) - np.eye(ROW, k=1) - np.eye(ROW, k=-1))
 
     def step(u, v):
-        free = v - cloth @ u
+        free = v - fabric @ u
         # so deep that no point leaves the nose: all is linear
         push = forces(B @ u - 1e3, B @ (free if foreseen else v), stiffness, before, usual)
         fast = free + B.T @ push
@@ -140,14 +140,14 @@ def test_it_foresees_what_all_other_forces_do(ply):
         assert_allclose(v[near] - old, new, rtol=0, atol=1e-9 * abs(v[near]).max())
 
 
-def highest(ply, grading=((9, 0.5), (np.inf, 1)), **knobs):
+def highest(ply, grading=((9, 0.5), (np.inf, 1)), **numbers):
     """[N] highest tension in 40 us in the weft of the first of three plies."""
     chosen = replace(ply, opening=(0.06, 0.06), yarn_failure=False, grading=grading)
-    pack = Pack.stacked(chosen, 3, gap=GAP, contact=PlyContact(**knobs))
+    pack = Pack.stacked(chosen, 3, gap=GAP, contact=PlyContact(**numbers))
     return PackSolver(pack, 158.0, 40e-6).run().peak_tensions[0, 1, 0]
 
 
-def test_tension_under_the_nose_hangs_on_no_knob(ply):
+def test_tension_under_the_nose_hangs_on_no_numerical_choice(ply):
     """2 % are asked of the stiffness of plies and nose, with two elements a crossover. In S-726 it is this weft that
     fails first."""
     usual = highest(ply)

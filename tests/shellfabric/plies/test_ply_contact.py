@@ -258,8 +258,8 @@ def test_plies_give_back_a_share_of_what_closed_them(ply, share, alone):
     """Flat plies that are closed, parted by some, closed deeper, parted until they leave, and closed anew: pressure
     along the branches, and of the energy of closing, which the law bends, the share that comes back."""
     panel = replace(ply, symmetry="whole", opening=(0.012, 0.011))
-    knobs = PlyContact(damping=0.0, resilience=share)
-    pack = Pack.stacked(panel, 2, gap=30e-6, law=LAW, contact=knobs)
+    numbers = PlyContact(damping=0.0, resilience=share)
+    pack = Pack.stacked(panel, 2, gap=30e-6, law=LAW, contact=numbers)
     pressed = Pressed(pack)
     if alone:
         pressed = pressed.alone()
@@ -293,8 +293,8 @@ def test_free_plies_part_with_the_root_of_the_share(ply, share):
     """Without dampers, of plies that are not alike in weight: momentum is kept, and the energy that does not come back
     is in the books as that of the contact."""
     free = replace(ply, boundary="free", symmetry="whole", opening=(0.011, 0.012))
-    knobs = PlyContact(damping=0.0, courant=0.1, resilience=share)
-    solver = far_from_nose(Pack((free, free), (20e-6,), knobs))
+    numbers = PlyContact(damping=0.0, courant=0.1, resilience=share)
+    solver = far_from_nose(Pack((free, free), (20e-6,), numbers))
     speeds = 120.0, -35.0
     for state, speed, factor in zip(solver.states, speeds, (1.0, 1.7)):
         state.mass[:] *= factor
@@ -321,8 +321,8 @@ def test_plies_that_slide_on_each_other_make_no_energy(ply, points, alone):
     """A bulging ply that is drawn over another: what its springs hold is what it was pushed by, if they give all of it
     back. With a direction that is a step behind, forces would lean the way of the sliding and do a work that nothing
     gives."""
-    knobs = PlyContact(points=points, damping=0.0, resilience=1.0)
-    pack = Pack.stacked(replace(ply, symmetry="whole"), 2, gap=50e-6, contact=knobs)
+    numbers = PlyContact(points=points, damping=0.0, resilience=1.0)
+    pack = Pack.stacked(replace(ply, symmetry="whole"), 2, gap=50e-6, contact=numbers)
     pressed = Pressed(pack).bulge(np.random.default_rng(2), 0.1e-3)
     pressed = pressed.alone() if alone else pressed
     for state in pressed.states:
@@ -404,8 +404,8 @@ def test_forces_and_their_moments_vanish(ply, motion):
 class Flat(Pressed):
     """Flat plies at rest without gaps, of which the front one is moved."""
 
-    def __init__(self, ply, plies=2, friction=0.0, law=None, **knobs):
-        contact = PlyContact(**{"damping": 0.0} | knobs)
+    def __init__(self, ply, plies=2, friction=0.0, law=None, **numbers):
+        contact = PlyContact(**{"damping": 0.0} | numbers)
         super().__init__(
             Pack.stacked(ply, plies, gap=0.0, contact=contact, friction=friction, law=law)
         )

@@ -21,8 +21,8 @@ class Sliding(Flat):
     The rear ply is the larger, so that no point leaves it.
     """
 
-    def __init__(self, ply, mu, **knobs):
-        super().__init__(replace(ply, symmetry="whole"), friction=mu, **knobs)
+    def __init__(self, ply, mu, **numbers):
+        super().__init__(replace(ply, symmetry="whole"), friction=mu, **numbers)
         self.place(0.01)
 
     def move(self, v_x, v_y, steps=1):
@@ -96,11 +96,11 @@ def test_torn_fabric_is_rubbed_too(ply):
     assert on_front[0] == pytest.approx(-MU * abs(on_front[2]), rel=1e-6)
 
 
-def rubbing(ply, mu, **knobs):
+def rubbing(ply, mu, **numbers):
     """A free ply before another, at which it can fly obliquely."""
     free = replace(ply, boundary="free", symmetry="whole")
     return Pack.stacked(
-        free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(**knobs), friction=mu
+        free, 2, stacking="alternating", gap=20e-6, contact=PlyContact(**numbers), friction=mu
     )
 
 

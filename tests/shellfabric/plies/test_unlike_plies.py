@@ -35,8 +35,8 @@ def unlike():
 def press(panels, moved, closure, gaps=GAPS):
     """Forces [N] along z on each ply from the plies before and behind it, where one flat ply is moved
     onto the next by more than their gap, and the pack."""
-    knobs = PlyContact(damping=0.0)
-    pack = Pack(tuple(panels), gaps[: len(panels) - 1], contact=knobs)
+    numbers = PlyContact(damping=0.0)
+    pack = Pack(tuple(panels), gaps[: len(panels) - 1], contact=numbers)
     pressed = Pressed(pack)
     lift = gaps[moved] + closure
     grid(pressed.consts[moved], pressed.states[moved].u[2])[:] = lift

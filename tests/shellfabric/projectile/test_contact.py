@@ -44,7 +44,7 @@ def test_peak_tension_has_converged():
 
 
 @pytest.mark.parametrize(
-    "shot, knobs, elements, expected",
+    "shot, numbers, elements, expected",
     [
         ({}, {}, 1, 8),  # an edge of 0.3 mm and elements of 1.27 mm
         ({"edge_radius": 0.1e-3}, {}, 1, 16),
@@ -55,9 +55,9 @@ def test_peak_tension_has_converged():
         ({"shape": "cone", "half_angle": 0.8, "tip_radius": 0.1e-3}, {}, 1, 16),
     ],
 )
-def test_the_default_number_of_points_follows_the_nose(shot, knobs, elements, expected):
+def test_the_default_number_of_points_follows_the_nose(shot, numbers, elements, expected):
     panel = make_panel(
-        projectile=Projectile(**shot), numerics=Numerics(**knobs), elements_per_crossover=elements
+        projectile=Projectile(**shot), numerics=Numerics(**numbers), elements_per_crossover=elements
     )
     assert panel.constants().points_per_side == expected
 

@@ -42,15 +42,15 @@ def write():
     laws, misfits = {}, {}
     fit, measure = code.LAW.fit, model.Mismatch.measure
 
-    def fit_once(cloth, match):
-        name = digest_of(cloth.model)
+    def fit_once(fabric, match):
+        name = digest_of(fabric.model)
         if name not in laws:
-            laws[name] = fit(cloth, match)
+            laws[name] = fit(fabric, match)
         return laws[name]
 
-    def measure_once(cloth, law):
+    def measure_once(fabric, law):
         if id(law) not in misfits:
-            misfits[id(law)] = measure(cloth, law)
+            misfits[id(law)] = measure(fabric, law)
         return misfits[id(law)]
 
     texts = {}

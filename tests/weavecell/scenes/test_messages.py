@@ -31,7 +31,7 @@ strike_velocity = "92.5 m/s"
 [panel]
 opening = "203 mm"
 """
-CLOTH = (catalogue.list_names()[0], "S-728")
+FABRIC = (catalogue.list_names()[0], "S-728")
 # as they stand in a file: each is no value of most keys
 SLIPS = (
     '"7"',

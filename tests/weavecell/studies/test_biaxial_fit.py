@@ -20,9 +20,9 @@ from weavecell.studies import biaxial_fit
 from weavecell.studies.biaxial_path import to_strength
 from weavecell.studies.biaxial_tests import BiaxialTest, read
 
-CLOTH = catalogue.load("glass-unbalanced")
+FABRIC = catalogue.load("glass-unbalanced")
 TRUTH = CompressionLaw(1.7e-4, 0.9e-4)
-CELL = CellModel(CLOTH, (TRUTH, TRUTH))
+CELL = CellModel(FABRIC, (TRUTH, TRUTH))
 # [N] of warp and weft
 NOISE = np.array([9.0, 1.1])
 RATIOS = {"even": (1, 1), "along": (2, 1), "across": (0.5, 1)}
@@ -40,7 +40,7 @@ def made(cell=CELL, ratios=("even", "along"), seed=3, noise=NOISE, late=0.0, row
 
 
 def fitted(tests, **options):
-    return biaxial_fit.fit(CellModel(CLOTH), tests, with_profiles=False, **options)
+    return biaxial_fit.fit(CellModel(FABRIC), tests, with_profiles=False, **options)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,9 @@ def test_constants_come_back_from_noisy_tests_and_the_third_is_predicted(found):
 
 def test_warp_and_weft_have_errors_of_their_own(found):
     """With one error for both, the weft, of a tenth of the load, would say nothing of the constants."""
-    problem = biaxial_fit._Problem(CellModel(CLOTH), [one.test for one in found.fitted], ("a", "b"))
+    problem = biaxial_fit._Problem(
+        CellModel(FABRIC), [one.test for one in found.fitted], ("a", "b")
+    )
     _, weights = problem.solve()
     assert weights == pytest.approx(NOISE, rel=0.3)
 
@@ -77,7 +79,9 @@ def test_warp_and_weft_have_errors_of_their_own(found):
 def test_an_interval_ends_where_the_profile_has_risen_far_enough(found):
     """b is fitted again at the end of a's interval by a search of its own; how far is Student's t with the freedom of
     both errors, and Meier's factor for weights that are estimates."""
-    problem = biaxial_fit._Problem(CellModel(CLOTH), [one.test for one in found.fitted], ("a", "b"))
+    problem = biaxial_fit._Problem(
+        CellModel(FABRIC), [one.test for one in found.fitted], ("a", "b")
+    )
     _, weights = problem.solve()
     squares = lambda a, b: np.sum(problem.residuals(np.log([a, b]), weights) ** 2)  # noqa: E731
     least = squares(found.law.a, found.law.b)
@@ -104,9 +108,9 @@ def test_an_interval_ends_where_the_profile_has_risen_far_enough(found):
 
 
 def test_one_ratio_of_the_balanced_weave_does_not_determine_b():
-    cloth = catalogue.load("glass-balanced")
-    tests = made(CellModel(cloth), ("even", "along", "across"), noise=np.array([7.0, 7.0]))
-    fit = partial(biaxial_fit.fit, CellModel(cloth), tests, with_profiles=False)
+    fabric = catalogue.load("glass-balanced")
+    tests = made(CellModel(fabric), ("even", "along", "across"), noise=np.array([7.0, 7.0]))
+    fit = partial(biaxial_fit.fit, CellModel(fabric), tests, with_profiles=False)
     alone = fit(["even"])
     assert [one.name for one in alone.undetermined] == ["b"]
     assert alone.correlation[0, 1] > 0.9
@@ -128,7 +132,7 @@ def test_starts_crimps_and_heights_come_back():
     # a fit with no free start would take it for another law
     assert abs(fitted(made(late=late)).law.a / TRUTH.a - 1) > 3 * abs(found.law.a / TRUTH.a - 1)
 
-    other = CLOTH.with_yarns(crimp=(0.0047, 0.0059))
+    other = FABRIC.with_yarns(crimp=(0.0047, 0.0059))
     found = fitted(
         made(replace(CELL, fabric=other)), constants=["a", "warp crimp", "weft crimp", "b"]
     )
@@ -139,7 +143,7 @@ def test_starts_crimps_and_heights_come_back():
         assert found.model.fabric.weave.yarns[m].crimp == found.values[name].value
 
     loose = replace(CELL, crossover_gap=4e-5)
-    known = replace(CellModel(CLOTH), laws=(TRUTH, TRUTH))
+    known = replace(CellModel(FABRIC), laws=(TRUTH, TRUTH))
     found = biaxial_fit.fit(known, made(loose), constants=["h"], with_profiles=False)
     assert found.values["h"].value == pytest.approx(sum(CELL.h0) - 4e-5, rel=5e-3)
     assert found.model.crossover_gap == pytest.approx(4e-5, rel=0.1)
@@ -165,10 +169,10 @@ def test_a_stiffening_by_the_strain_comes_back():
 
 def test_a_cell_unlike_the_cloth_says_so():
     """Tests of straight yarns with feet, fitted by cosines of linear yarns, and by the cell that they are of."""
-    cloth = replace(CELL, centreline="straight", slack=(8e-4, 5e-4))
-    tests = made(cloth, ("even", "across"), noise=NOISE / 20, rows=31)
+    fabric = replace(CELL, centreline="straight", slack=(8e-4, 5e-4))
+    tests = made(fabric, ("even", "across"), noise=NOISE / 20, rows=31)
     like = {}
-    for name, model in (("linear", CellModel(CLOTH)), ("own", replace(cloth, laws=None))):
+    for name, model in (("linear", CellModel(FABRIC)), ("own", replace(fabric, laws=None))):
         found = biaxial_fit.fit(model, tests, ["even"], with_profiles=False)
         like[name] = {check.name: check for check in found.checks}
     alike = "likeness of neighbouring residuals"
