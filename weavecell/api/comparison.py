@@ -430,9 +430,64 @@ class ComparedPanel(NamedTuple):
         return None if self.quantity == "v50" else self.value
 
 
+class OfTwoPanels(DrawnResult):
+    """What results about two panels share. A derived class has what raises NotImplementedError
+    here."""
+
+    @property
+    def targets(self) -> tuple[Target, Target]:
+        """The Target of A and of B."""
+        raise NotImplementedError
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """What A and B are called: what is shot at, or the stem of the file where that is the
+        same."""
+        titles = [panel.title for panel in self.targets]
+        if titles[0] == titles[1]:
+            titles = [Path(panel.name).stem or panel.title for panel in self.targets]
+        return f"A, {titles[0]}", f"B, {titles[1]}"
+
+    @property
+    def title(self) -> str:
+        """Of picture and page."""
+        return " or ".join(self.names)
+
+    @property
+    def areal_densities(self) -> tuple[float, float]:
+        """[kg/m2] of A and of B, all plies."""
+        a, b = (panel.setup.areal_density for panel in self.targets)
+        return float(a), float(b)
+
+    @property
+    def other_differences(self) -> list[str]:
+        """Names of what else differs between A and B, such as the opening: then the fabrics alone are
+        not compared."""
+        a, b = (panel.setup for panel in self.targets)
+        named = [field.name for field in fields(a) if field.name not in COMPARED]
+        return [
+            name
+            for name in named
+            if run_cache.inputs_digest(getattr(a, name))
+            != run_cache.inputs_digest(getattr(b, name))
+        ]
+
+    @property
+    def heavier(self) -> float:
+        """Areal density of A over that of B, less 1."""
+        a, b = self.areal_densities
+        return a / b - 1
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Lines that name what is assumed of the fabrics."""
+        lines = [line for panel in self.targets for line in list_assumptions(panel.setup)]
+        return tuple(dict.fromkeys(lines))
+
+
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class ComparisonResult(DrawnResult):
+class ComparisonResult(OfTwoPanels):
     """Two panels or packs, A and B; the table has a row for each and one for A less B.
 
     Parameters
@@ -465,15 +520,6 @@ class ComparisonResult(DrawnResult):
     def targets(self) -> tuple[Target, Target]:
         """The Target of A and of B."""
         return self.a.target, self.b.target
-
-    @property
-    def names(self) -> tuple[str, str]:
-        """What A and B are called: what is shot at, or the stem of the file where that is the
-        same."""
-        titles = [panel.title for panel in self.targets]
-        if titles[0] == titles[1]:
-            titles = [Path(panel.name).stem or panel.title for panel in self.targets]
-        return f"A, {titles[0]}", f"B, {titles[1]}"
 
     @property
     def values(self) -> tuple[float, float]:
@@ -528,12 +574,6 @@ class ComparisonResult(DrawnResult):
         return self.difference.shots_to_decide()
 
     @property
-    def areal_densities(self) -> tuple[float, float]:
-        """[kg/m2] of A and of B, all plies."""
-        a, b = (panel.setup.areal_density for panel in self.targets)
-        return float(a), float(b)
-
-    @property
     def specific_energies(self) -> tuple[float, float]:
         """[J m2/kg] energy of the projectile at V50 or limit over areal density, of A and of B."""
         a, b = (
@@ -557,37 +597,12 @@ class ComparisonResult(DrawnResult):
         return tuple(parts)
 
     @property
-    def assumed(self) -> tuple[str, ...]:
-        """Lines that name what is assumed of the fabrics."""
-        lines = [line for panel in self.targets for line in list_assumptions(panel.setup)]
-        return tuple(dict.fromkeys(lines))
-
-    @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """What the numbers leave out, of A and of B; the range over what is assumed covers both."""
         parts = dict.fromkeys((*self.a.left_out, *self.b.left_out))
         if self.assumed_range is None:
             return tuple(parts)
         return tuple(part for part in parts if part.kind != "assumed data")
-
-    @property
-    def other_differences(self) -> list[str]:
-        """Names of what else differs between A and B, such as the opening: then the fabrics alone are
-        not compared."""
-        a, b = (panel.setup for panel in self.targets)
-        named = [field.name for field in fields(a) if field.name not in COMPARED]
-        return [
-            name
-            for name in named
-            if run_cache.inputs_digest(getattr(a, name))
-            != run_cache.inputs_digest(getattr(b, name))
-        ]
-
-    @property
-    def heavier(self) -> float:
-        """Areal density of A over that of B, less 1."""
-        a, b = self.areal_densities
-        return a / b - 1
 
     def _energies(self):
         """(value, low, high) [J m2/kg] of A and of B: energy over areal density at V50 or limit and at
@@ -649,11 +664,6 @@ class ComparisonResult(DrawnResult):
         if needed is None:
             return f"{paired.MOST_SHOTS:,} shots of each would not decide it either"
         return f"{counted(needed - self.difference.shots, 'more shot')} at each, if the difference stays"
-
-    @property
-    def title(self) -> str:
-        """Of picture and page."""
-        return " or ".join(self.names)
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
