@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Unpack
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Unpack, cast
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
@@ -242,15 +242,16 @@ def _plan_computed(a, b, others):
     raise InputError(key="target, other", value=kinds, allowed=allowed)
 
 
-@command(ComparisonPlan, ComputedPlan)
+@command(ComparisonPlan, ComputedPlan, result="ComparisonResult | IntervalComparisonResult")
 @explain_keywords(ResumableKeywords, Keywords)
 def compare(
     target: Fabric | FilePath | ImpactSetup | Result | None,
     other: Fabric | FilePath | ImpactSetup | Result | None,
     *,
-    quantity: str = "v50",
+    quantity: str | None = None,
     shots: int | None = None,
     tolerance: float | str | None = None,
+    interval: bool = False,
     assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
     seed: int | None = None,
@@ -280,10 +281,14 @@ def compare(
     other : B, an input file of a ply or pack, name of a fabric or its file; in Python also a
         Fabric, or a set-up of `setup`
     quantity : v50, of panels that differ in strength; or critical-velocity, of yarns without
-        scatter; of results what they are
+        scatter. If not given v50, with `interval` critical-velocity; of results what they are
     shots : of V50, number of shots at each, at least 4; if not given 40
     tolerance : of critical-velocity, and of the searches over what is assumed, largest difference
-        between highest stop and lowest perforation [m/s]; if not given 1 m/s
+        between highest stop and lowest perforation [m/s]; if not given 1 m/s, with `interval` of a
+        pack about 5 %
+    interval : the limit of A less that of B over what nobody knows, with resolved yarns, run by run:
+        the same place, and the same of each friction that both assume. Four to sixteen searches,
+        whose cost is told before
     assumed_range : repeat the searches of both limits with both ends of each assumption. Without
         this option a command does so if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
@@ -293,7 +298,7 @@ def compare(
 
     Returns
     -------
-    ComparisonResult
+    ComparisonResult; with `interval` an IntervalComparisonResult, a row for each pair of runs
 
     Raises
     ------
@@ -311,22 +316,27 @@ def compare(
 
     if isinstance(target, Result) or isinstance(other, Result):
         others = {"shots": shots, "tolerance": tolerance, "seed": seed, **options}
+        others["interval"] = interval or None
         if assumed_range is not False:
             others["assumed_range"] = assumed_range
         made = _plan_computed(target, other, others)
-        # the default, v50, asks for nothing
-        if quantity not in ("v50", made.quantity):
+        if quantity not in (None, made.quantity):
             raise InputError(
                 key="quantity", value=quantity, allowed=f"{made.quantity}, as they are"
             )
         return made
+    if quantity is None:
+        quantity = "critical-velocity" if interval else "v50"
     if quantity not in list(QUANTITIES):
         raise InputError(
             key="quantity", value=quantity, allowed=f"one of {', '.join(map(repr, QUANTITIES))}"
         )
     if quantity != "v50":
         quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
-    width, count, first = quantities.read_search(tolerance, shots, seed, usual=(1.0, 40))
+    if quantity == "v50" and interval:
+        allowed = "left out of v50, whose shots strike anywhere; or quantity critical-velocity"
+        raise InputError(key="interval", allowed=allowed)
+    width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 40))
     panels = _resolve(target, other, options, quantity)
     for panel in panels:
         with panel.name_problems():
@@ -334,6 +344,16 @@ def compare(
                 strengths.check(panel.setup, inputs.read_scatter())
             else:
                 strengths.require_failure(panel.setup, NO_LIMIT)
+    if interval:
+        from weavecell.api.interval_comparison import plan_comparison
+
+        # a command asks for the range "laws" by itself
+        beside = {"assumed_range": True if assumed_range is True else None}
+        # its result is another, as that of a check is
+        return cast(Any, plan_comparison(panels, width, beside))
+    if width is None:
+        width = 1.0
+    panels = _mesh_alike(panels)
     over = any(ranges.with_ends(panel.setup, assumed_range) is not None for panel in panels)
     if quantity == "v50" and not over:
         quantities.refuse_unused({"tolerance": tolerance}, "of V50 without a range")
@@ -341,7 +361,7 @@ def compare(
 
 
 def _resolve(target, other, keywords, quantity):
-    """The two Targets, single plies beside packs on the mesh of a shot."""
+    """The two Targets."""
     reader: Reader = "limit"
     if quantity == "v50":
         reader = "v50"
@@ -359,8 +379,13 @@ def _resolve(target, other, keywords, quantity):
             if named and not (not isinstance(others, Fabric) and is_input_file(str(others))):
                 beside = {}
         panels.append(resolve_target(one, beside, reader, function="compare"))
+    return panels
+
+
+def _mesh_alike(panels):
+    """The two Targets, a single ply beside a pack with both on the mesh of a shot."""
     if len({panel.setup.plies > 1 for panel in panels}) == 2:
-        panels = [replace(panel, setup=panel.setup.meshed) for panel in panels]
+        return [replace(panel, setup=panel.setup.meshed) for panel in panels]
     return panels
 
 

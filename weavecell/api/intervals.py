@@ -181,7 +181,7 @@ def add_up(plan: IntervalPlan, runs: Sequence[Variation], target: Target) -> Stu
 
 
 def leave_out(
-    parts: Sequence[LeftOut], target: Target, found: Interval, ranged: bool
+    parts: Sequence[LeftOut], target: Target, found: Interval | IntervalPlan, ranged: bool
 ) -> tuple[LeftOut, ...]:
     """Return what numbers over an interval leave out: as of one run, but of what is assumed that
     which its runs do not vary.

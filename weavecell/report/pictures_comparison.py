@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_beside
 from weavecell.report.pictures_style import COLOURS as COLOURS_OF_MANY
 from weavecell.results.keys import find_axis
+
+if TYPE_CHECKING:
+    from weavecell.studies.interval_difference import IntervalDifference
 
 COLOURS = {"A": BLUE, "B": ORANGE}
 
@@ -45,6 +48,32 @@ def difference(pyplot: Any, result: Any) -> Any:
     lower.set_ylim(len(bars) - 0.4, -0.6)
     lower.grid(axis="y", visible=False)
     lower.set(xlabel="A less B [m/s]: above 0, A is better")
+    return figure
+
+
+def draw_pairs(pyplot: Any, difference: IntervalDifference) -> Any:
+    """Draw the difference of each pair of runs, with places and frictions at its side, and the band of
+    all."""
+    pairs = difference.pairs
+    figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.62 * len(pairs)))
+    for row, pair in enumerate(pairs):
+        found = pair.subtract()
+        if found is not None:
+            value, *ends = found
+            axes.plot(ends, [row, row], lw=7, color=FAINT, alpha=0.6, solid_capstyle="butt")
+            axes.plot(value, row, "D", color=INK)
+    if (span := difference.span()) is not None:
+        axes.axvspan(*span, color=FAINT, alpha=0.15, lw=0)
+    axes.axvline(0, color=INK, lw=1)
+    names = []
+    for pair in pairs:
+        of_a, of_b = pair.a.variation.name, pair.b.variation.name
+        alike = of_a == of_b
+        names.append(of_a if alike else f"A: {of_a}\nB: {of_b}")
+    axes.set_yticks(range(len(pairs)), names)
+    axes.set_ylim(len(pairs) - 0.4, -0.6)
+    axes.grid(axis="y", visible=False)
+    axes.set(xlabel="A less B [m/s]: above 0, A is better")
     return figure
 
 

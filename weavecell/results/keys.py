@@ -144,6 +144,7 @@ OF_KINDS = (
         "critical_velocity",
         "v50",
         "difference",
+        "interval_difference",
         "sweep",
         "interval",
         "tests",

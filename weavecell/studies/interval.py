@@ -341,17 +341,11 @@ class Interval:
         if self.agrees and self.varied:
             parts[0] += f", {self.varied}"
         if self.decides:
-            parts[0] += f": {self._what_decides()}"
+            parts[0] += f": {say_what_decides(self.decides)}"
             parts += [ADVICE[name] for name in self.decides]
         if lost := [run for run in self.runs if run.value is None]:
             parts.append(f"{len(lost)} of {counted(len(self.runs), 'run')}: {lost[0].outcome}")
         return "; ".join(parts)
-
-    def _what_decides(self):
-        *others, last = self.decides
-        if not others:
-            return f"{last} decides"
-        return f"{', '.join(others)} and {last} decide"
 
     def _answer(self):
         """The answer without what decides."""
@@ -372,6 +366,14 @@ class Interval:
             return ", ".join(_say_place(place, runs) for place, runs in runs_at.items())
         ends = [_say_end(run) for _, run in (self.known[0], self.known[-1])]
         return " to ".join(ends)
+
+
+def say_what_decides(names: Sequence[str]) -> str:
+    """Write that some things, each in words, decide an answer."""
+    *others, last = names
+    if not others:
+        return f"{last} decides"
+    return f"{', '.join(others)} and {last} decide"
 
 
 def _say_span(low, high):

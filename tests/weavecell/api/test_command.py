@@ -52,7 +52,12 @@ OPTIONS = {
         "crimp_cov": [0.01, 0.02],
         **OF_V50,
     },
-    "compare": {"quantity": ["v50", "critical-velocity"], "tolerance": [1, 2], **OF_V50},
+    "compare": {
+        "quantity": ["v50", "critical-velocity"],
+        "interval": [True, False],
+        "tolerance": [1, 2],
+        **OF_V50,
+    },
     "reduce_tests": {"tolerance": [1, 2]},
     "patch": {
         "struck": ["gap", "crossover"],

@@ -9,6 +9,7 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from weavecell.studies import interval, sweep
 from weavecell.studies.interval import Interval, Run, Variation
+from weavecell.studies.interval_difference import Pair
 from weavecell.studies.places import CROSSOVER, GAP, Places
 
 YARNS, NOSE, PLIES = interval.FRICTIONS
@@ -163,3 +164,172 @@ def test_what_no_interval_of_a_sweep_reads_is_refused(scene, over, options, word
         scene.write_text(SCENE.replace('zone = "8 mm"', ""))
     with pytest.raises(InputError, match=words):
         wc.sweep(scene, over=over, interval=True, check=True, **options)
+
+
+def say_limit(setup):
+    """[m/s] a made-up limit, which both frictions raise, and in a gap is lower."""
+    friction = setup.crossovers.friction
+    return 60 + 90 * friction + 40 * setup.projectile.friction - 14 * (setup.impact_point[0] != 0)
+
+
+def fake_rows(monkeypatch, of_fabric):
+    """Let the limit of a set-up be of_fabric[its fabric](set-up), in a bracket of 1.6 m/s."""
+
+    def row(setup, quantity, tolerance):
+        value = of_fabric[setup.fabric.name](setup)
+        searched.append(setup)
+        return limit(value - 0.7, value + 0.9)
+
+    searched = []
+    monkeypatch.setattr(sweep, "row", row)
+    return searched
+
+
+PANEL = {"opening": "30 mm", "crossovers": "yarns", "zone": "9 mm"}
+PANEL["projectile"] = {"shape": "sphere", "mass": "0.69 g", "diameter": "5.5 mm"}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_what_both_do_not_know_alike_cancels_in_their_difference(monkeypatch):
+    """Each limit spans 24 m/s, their difference 9 to 12."""
+    of_fabric = {
+        "S-720": lambda setup: say_limit(setup) + 9 + 15 * setup.projectile.friction,
+        "S-728": say_limit,
+    }
+    searched = fake_rows(monkeypatch, of_fabric)
+    found = wc.compare("S-720", "S-728", interval=True, **PANEL)
+    assert found.verdict == "better"
+    assert found.interval == pytest.approx((9 - 1.6, 12 + 1.6))
+    assert len(searched) == 6
+    told = (
+        "A is better wherever it strikes, by 7.4 to 13.6 m/s, friction between yarns 0.1 to 0.3, "
+    )
+    assert found.lines()[0] == f"A, S-720 or B, S-728: {told}friction on the nose 0 to 0.2"
+    table = found.to_dataframe()
+    assert (
+        list(table["place_a"])
+        == list(table["place_b"])
+        == [CROSSOVER.name, GAP.name, CROSSOVER.name]
+    )
+    assert list(table["difference_m_s"]) == pytest.approx([9.0, 9.0, 12.0])
+    assert table["a_m_s"].max() - table["a_m_s"].min() > 24
+    other = wc.compare("S-728", "S-720", interval=True, **PANEL)
+    assert (other.verdict, other.answer.partition(",")[0]) == (
+        "worse",
+        "A is worse wherever it strikes",
+    )
+    masses = [wc.fabric(name).weave.areal_density for name in ("S-720", "S-728")]
+    energies = []
+    for run_a, run_b in zip(*found.difference.runs):
+        limits = [[run.row[end] for end in ("lower_m_s", "upper_m_s")] for run in (run_a, run_b)]
+        (a, b), (c, d) = ([0.5 * 0.69e-3 * v**2 / m for v in of] for of, m in zip(limits, masses))
+        energies += [a - d, b - c]
+    span = f"{min(energies):+.1f} to {max(energies):+.1f} J per kg/m²"
+    assert span in found.per_mass
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_where_a_friction_decides_which_is_better_it_is_named(monkeypatch):
+    """S-720 is better at a friction between yarns of 0.1, S-728 at 0.3."""
+    of_fabric = {
+        "S-720": lambda setup: (
+            90 + 20 * setup.projectile.friction - 5 * (setup.impact_point[0] != 0)
+        ),
+        "S-728": say_limit,
+    }
+    searched = fake_rows(monkeypatch, of_fabric)
+    found = wc.compare("S-720", "S-728", interval=True, **PANEL)
+    # three first runs of each, and each friction alone in the gap
+    assert len(searched) == 10
+    assert found.verdict == "not decided"
+    values = found.to_dataframe()["difference_m_s"]
+    assert list(values) == pytest.approx([21.0, 30.0, -1.0, 12.0, 26.0])
+    assert (found.low, found.high) == pytest.approx((-2.6, 31.6))
+    assert found.difference.effects == pytest.approx(
+        {
+            "friction between yarns": 18.0,
+            "the place": 9.0,
+            "friction on the nose": 4.0,
+            "the width that the searches leave": 3.2,
+        }
+    )
+    assert found.decides == ("friction between yarns",)
+    told = "depends: A less B -2.6 to +31.6 m/s: friction between yarns decides; measure friction"
+    assert found.answer.startswith(told)
+    assert found.difference.weakest == (GAP, GAP)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_friction_that_one_side_gives_is_the_others_own(scene, tmp_path, monkeypatch, succeed):
+    given = tmp_path / "given.toml"
+    given.write_text(SCENE.replace("[run]", "crossover_friction = 0.17\n[run]"))
+    fake_rows(monkeypatch, {"S-728": say_limit})
+    monkeypatch.chdir(tmp_path)
+    out = succeed("compare scene.toml given.toml --interval --jobs 1 --out r")
+    assert "the same for both, whatever it is: friction on the nose" in out
+    assert "unknown of A alone, or in a range of its own: friction between yarns" in out
+    written = json.loads((tmp_path / "r/interval-difference.json").read_text())
+    assert written["unknown"] == {
+        "friction on the nose": [0.0, 0.2],
+        "friction between yarns of A": [0.1, 0.3],
+    }
+    assert {row["friction_between_yarns_b"] for row in written["pairs"]} == {0.17}
+    ends = {
+        (row["friction_between_yarns_a"], row["friction_on_nose_a"]) for row in written["pairs"]
+    }
+    assert ends == {(0.1, 0.0), (0.3, 0.0), (0.1, 0.2), (0.3, 0.2)}
+    # the nose cancels, and the friction of A alone decides
+    assert all(row["friction_on_nose_a"] == row["friction_on_nose_b"] for row in written["pairs"])
+    assert written["decides"] == ["friction between yarns of A"]
+    assert (written["low_m_s"], written["high_m_s"]) == pytest.approx((-6.3 - 1.6, 11.7 + 1.6))
+    assert f"A, scene or B, given: {written['answer']}" in out
+    assert written["answer"] in (tmp_path / "r/report.html").read_text("utf-8")
+    again = wc.load(tmp_path / "r")
+    assert again.headline[1] == written["answer"]
+    assert len(again.to_dataframe()) == written["pairs"].__len__()
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_other_fibres_share_no_friction_and_a_single_place_meets_each_of_the_others():
+    """Kevlar beside glass; two plies, on which a chisel feels no place, beside one."""
+    other = wc.compare.plan("S-728", "glass-balanced", interval=True, opening="120 mm").plan
+    assert other.shared == {}
+    assert [sorted(own) for own in other.own] == [sorted(TWO), sorted(TWO)]
+    chisel = PANEL | {"projectile": "FSP 1.10 g"}
+    fabric = wc.setup("S-728", 100, **chisel)
+    pack = wc.setup("S-728", 100, **(chisel | {"plies": 2}))
+    plan = wc.compare.plan(fabric, pack, interval=True).plan
+    assert [(a.name, b.name) for a, b in plan.places] == [
+        ("on a warp yarn", "on a crossover"),
+        ("on a weft yarn", "on a crossover"),
+    ]
+    assert [*plan.own[1]] == [PLIES]
+    # at B the shared ends with both ends of its own
+    assert [len(runs) for runs in plan.first] == [3, 4]
+
+
+def test_limits_of_packs_are_subtracted_with_their_intervals():
+    """Newcombe's interval by hand: 3 and 6 m/s below and above."""
+    of_pack = {"outcome": sweep.INTERVAL}
+    a = limit(300.0, 309.0, critical_velocity_m_s=303.0) | of_pack
+    b = limit(280.0, 292.0, critical_velocity_m_s=286.0) | of_pack
+    runs = answer("critical-velocity", (CROSSOVER, 0.1, 0.0, a), (GAP, 0.1, 0.0, b)).runs
+    value, low, high = Pair(*runs).subtract()
+    assert (value, low, high) == pytest.approx((17.0, 17 - 45**0.5, 17 + 72**0.5))
+    lost = Run(runs[0].variation, {"outcome": "undecided: slow"})
+    assert Pair(lost, runs[1]).subtract() is None
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"quantity": "v50"}, "interval: must be left out of v50"),
+        ({"assumed_range": True}, "left out of an interval"),
+        ({"shots": 9}, "shots"),
+        ({"crossovers": "pinned", "zone": None}, "crossovers = .pinned.: must be yarns, auto"),
+    ],
+)
+def test_what_no_interval_of_a_comparison_reads_is_refused(options, words):
+    with pytest.raises(InputError, match=words):
+        wc.compare("S-720", "S-728", interval=True, check=True, **(PANEL | options))
