@@ -2,9 +2,9 @@
 
 A test in clay measures the dent that stays, one in clear gel the deepest point that a camera sees.
 The two are not the same number: a dent springs back. Both are read off the depth that a gauge finds
-at the samples of a run: the mean over a disc about the deepest node. A single node is no
-measurement: with bricks of 2, 1 and 0.75 mm behind one shot the deepest one stood at 5.7, 4.6 and
-4.1 mm, where the mean over such a disc about the axis was 3.5, 3.05 and 3.0 mm.
+at the samples of a run: the greatest mean over a disc. A single node is no measurement: with bricks
+of 2, 1 and 0.75 mm behind one shot the deepest one stood at 5.52, 4.57 and 4.25 mm, where the mean
+over such a disc was 3.35, 3.12 and 3.07 mm.
 """
 
 from __future__ import annotations
@@ -38,8 +38,12 @@ def deepest(face: FloatArray) -> float:
 
 
 def gauge(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
-    """Compute the depth [m] that a gauge finds: the mean over the area, seen along the flight, of a
-    disc of radius GAUGE about the deepest node; 0 of a face that is nowhere below its place at rest.
+    """Compute the depth [m] that a gauge finds: the greatest mean over the area, seen along the
+    flight, of a disc of radius GAUGE; 0 of a face that is nowhere below its place at rest.
+
+    Its centre is a node within GAUGE of the deepest one, found by the middles of the facets, or the
+    deepest node itself where that reads more. Which node is deepest is chance: under one nose it
+    changes from sample to sample, and a disc about it read up to 29 % less than one about the axis.
 
     Parameters
     ----------
@@ -48,8 +52,41 @@ def gauge(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
     """
     if face[..., 2].max() <= 0:
         return 0.0
-    i, j = np.unravel_index(np.argmax(face[..., 2]), face.shape[:2])
-    centre = face[i, j, :2]
+    deepest_node = face[np.unravel_index(np.argmax(face[..., 2]), face.shape[:2])][:2]
+    images = np.array([(1, 1), (-1, 1), (1, -1), (-1, -1)])
+    seen = images[[all(np.where(image < 0, mirrors, True)) for image in images]]
+    best = _best_centre(face, deepest_node, seen)
+    return max(_disc_mean(face, centre, seen) for centre in (deepest_node, best))
+
+
+def _best_centre(face, deepest_node, seen):
+    """The node (2,) [m] within GAUGE of the deepest about which the middles of the facets within
+    GAUGE are deepest on average; the deepest one where no disc holds a middle."""
+    nodes = face[..., :2].reshape(-1, 2)
+    centres = nodes[np.hypot(*(nodes - deepest_node).T) <= GAUGE]
+    middles = 0.25 * (face[:-1, :-1] + face[1:, :-1] + face[:-1, 1:] + face[1:, 1:]).reshape(-1, 3)
+    across = (face[1:, 1:] - face[:-1, :-1])[..., :2].reshape(-1, 2)
+    along = (face[:-1, 1:] - face[1:, :-1])[..., :2].reshape(-1, 2)
+    area = 0.5 * np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
+    near = np.abs(middles[:, :2] - deepest_node).max(axis=1) <= 2 * GAUGE
+    middles = middles[near]
+    weight = np.zeros((len(centres), len(middles)))
+    for image in seen:
+        apart = middles[:, :2] * image - centres[:, None]
+        weight += np.hypot(apart[..., 0], apart[..., 1]) <= GAUGE
+    weight *= area[near]
+    total = weight.sum(axis=1)
+    if not total.any():
+        return deepest_node
+    depth = np.sum(weight * middles[:, 2], axis=1)
+    mean = np.divide(depth, total, out=np.zeros_like(total), where=total > 0)
+    return centres[np.argmax(mean)]
+
+
+def _disc_mean(face, centre, seen):
+    """Mean depth [m] of a face over a disc of radius GAUGE about a centre (2,) [m], by _PARTS x
+    _PARTS points in each facet and its images (k, 2); 0 above the plane, and the depth of the
+    deepest node where no point is in the disc."""
     corners = face[:-1, :-1], face[1:, :-1], face[:-1, 1:], face[1:, 1:]
     nearest = np.min([np.abs(corner[..., :2] - centre).max(axis=-1) for corner in corners], axis=0)
     sides = max(float(np.abs(np.diff(face[..., :2], axis=axis)).max()) for axis in (0, 1))
@@ -60,8 +97,6 @@ def gauge(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
     along = (1 - t) * (c10 - c00) + t * (c11 - c01)
     across = (1 - s) * (c01 - c00) + s * (c11 - c10)
     area = np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0])
-    images = np.array([(1, 1), (-1, 1), (1, -1), (-1, -1)])
-    seen = [image for image in images if all(np.where(image < 0, mirrors, True))]
     within = sum(np.hypot(*(points[..., :2] * image - centre).T).T <= GAUGE for image in seen)
     weight = area * within
     if not weight.any():

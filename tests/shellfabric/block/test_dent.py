@@ -257,7 +257,29 @@ def test_a_gauge_finds_the_mean_over_its_disc(mirrors):
     assert dent.gauge(block_with(lambda x, y: 0 * x - 1e-3).depth_map(), mirrors) == 0.0
 
 
-def test_a_gauge_stands_at_the_deepest_node_and_sees_beyond_a_plane_of_symmetry():
+@pytest.mark.parametrize("mirrors", [(True, True), (False, False)])
+def test_a_gauge_stands_where_it_reads_most_whichever_node_is_deepest(mirrors):
+    """A node 4.5 mm beside the axis of a paraboloid is made the deepest: the disc stays on the
+    axis, and reads what the node adds to it in the mean, with its images."""
+    wide, size, extra = 0.015, 1.25e-3, 2e-3
+
+    def dented(x, y):
+        spike = np.hypot(x - 3.75e-3, y - 2.5e-3) < 1e-6
+        return 0.01 * (1 - (x**2 + 2 * y**2) / wide**2) + extra * spike
+
+    face = block_with(dented, mirrors=mirrors, min_size=size).depth_map()
+    deepest_node = np.unravel_index(np.argmax(face[..., 2]), face.shape[:2])
+    assert np.hypot(*face[deepest_node][:2]) == pytest.approx(4.507e-3, rel=1e-3)
+    of_disc = (0.25 + 0.5) * dent.GAUGE**2 + (1 + 2) * size**2 / 6
+    images = 2 ** sum(mirrors)
+    # the pyramid of one node has h^2 times its height; the disc cuts a part of it off
+    added = images * extra * size**2 / (np.pi * dent.GAUGE**2)
+    on_axis = 0.01 * (1 - of_disc / wide**2)
+    found = dent.gauge(face, mirrors)
+    assert on_axis + 0.5 * added < found < on_axis + 1.1 * added
+
+
+def test_a_gauge_sees_beyond_a_plane_of_symmetry():
     """A trough beside a plane of symmetry, of the half and of the whole."""
 
     def trough(x, y):
@@ -267,7 +289,10 @@ def test_a_gauge_stands_at_the_deepest_node_and_sees_beyond_a_plane_of_symmetry(
     whole = block_with(trough, mirrors=(False, False)).depth_map()
     found = dent.gauge(half, (True, False))
     assert found == pytest.approx(dent.gauge(whole, (False, False)), rel=1e-9)
-    assert found > dent.gauge(half, (False, False))
+    # about its deepest node the disc reaches across the plane, where the trough has its image
+    images = np.array([(1, 1), (-1, 1)])
+    mean = [dent._disc_mean(half, np.array([2.5e-3, 5e-3]), seen) for seen in (images[:1], images)]
+    assert mean[1] > mean[0]
 
 
 def test_a_gauge_weighs_facets_by_their_area():
@@ -278,7 +303,10 @@ def test_a_gauge_weighs_facets_by_their_area():
     x, y = np.meshgrid(*lines, indexing="ij")
     face = np.stack([x, y, 0.01 - np.where(x < 0, -0.2 * x, 0.6 * x)], axis=-1)
     expected = 0.01 - 0.5 * (0.2 + 0.6) * 4 * dent.GAUGE / (3 * np.pi)
-    assert dent.gauge(face, (False, False)) == pytest.approx(expected, rel=1e-3)
+    found = dent._disc_mean(face, np.zeros(2), np.ones((1, 2)))
+    assert found == pytest.approx(expected, rel=1e-3)
+    # on the gentler side it reads more
+    assert dent.gauge(face, (False, False)) > found
 
 
 def test_the_brick_on_the_floor_is_measured_as_it_is():
