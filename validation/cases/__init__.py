@@ -14,6 +14,7 @@ MODULES = (
     "coupons",
     "block",
     "drawn",
+    "intervals",
     "laws",
     "models",
     "patches",
@@ -55,6 +56,8 @@ def _module(name):
             from validation.cases import block as module
         case "drawn":
             from validation.cases import drawn as module
+        case "intervals":
+            from validation.cases import intervals as module
         case "laws":
             from validation.cases import laws as module
         case "models":

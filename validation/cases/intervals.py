@@ -1,0 +1,181 @@
+"""Answers over what nobody knows (`weavecell.studies.interval`): what they say, their doubts, their cost."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from scipy.stats import qmc
+
+from shellfabric.impact.run import run_impact_or_partial
+from validation.cases import impact, noses
+from validation.values import Values
+from weavecell.api.intervals import plan_interval
+from weavecell.api.target import Target
+from weavecell.studies import interval, places, sweep
+
+if TYPE_CHECKING:
+    from shellfabric.impact.setup import ImpactSetup
+    from weavecell.studies.interval import Interval, Run
+
+SHORT = 5e-6  # [s] of the shots that load the kernels before the clock begins
+# of an indicator in words, "name 0.2 (limit 0.1; remedy); name 3 (...)", the name
+OF_A_DOUBT = re.compile(r"(?:^doubtful: |\); )([a-z][a-z -]*?) -?[\d.]")
+
+
+def shot(**keywords: Any) -> Values:
+    """Answer a shot over what nobody knows.
+
+    Parameters
+    ----------
+    keywords : of `impact.setup`; the friction on the nose is the assumed one
+
+    Returns
+    -------
+    dict of `_describe`, with pinned, the outcome of the pinned shot, and pinned_doubts
+    """
+    this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
+    _load_kernels(this)
+    began = time.process_time()
+    pinned = sweep.shot(replace(this, crossovers=None, instead=None))
+    cost = time.process_time() - began
+    found = _answer(this, interval.SHOT, cost)
+    return found | {"pinned": pinned["outcome"], "pinned_doubts": ", ".join(_doubts(pinned))}
+
+
+def limit(*, tests: Sequence[tuple[float, str]] = (), **keywords: Any) -> Values:
+    """Search a limit over what nobody knows.
+
+    Parameters
+    ----------
+    tests : (strike velocity [m/s], outcome) of published ones
+    keywords : of `impact.setup`; the friction on the nose is the assumed one
+
+    Returns
+    -------
+    dict of `_describe`, with pinned [m/s], the limit of pinned yarns, pinned_doubts, and met, how many
+    `tests` the interval allows: no limit is below a stop, none above a perforation
+    """
+    this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
+    _load_kernels(this)
+    began = time.process_time()
+    pinned = sweep.critical_velocity(replace(this, crossovers=None, instead=None))
+    cost = time.process_time() - began
+    found = _answer(this, interval.LIMIT, cost)
+    met = 0
+    for velocity, outcome in tests:
+        if outcome == "stopped":
+            met += found["high"] >= velocity
+        else:
+            met += found["low"] <= velocity
+    return found | {
+        "pinned": pinned.get("critical_velocity_m_s"),
+        "pinned_doubts": ", ".join(_doubts(pinned)),
+        "met": met,
+    }
+
+
+def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywords: Any) -> Values:
+    """Fire a shot at resolved yarns, of which velocity, place and frictions are a point of a Sobol sequence.
+
+    Parameters
+    ----------
+    number : of the point
+    velocities : (low, high) [m/s]
+    seed : of the sequence
+    keywords : of `impact.setup`
+
+    Returns
+    -------
+    dict with velocity, left [m/s]; u, v [spacings] of the place along warp and weft; yarns, nose, the
+    frictions; outcome; doubts; error [-] of the energy; widened, whether it was run again with all yarns
+    resolved; cpu_s
+    """
+    sequence = qmc.Sobol(5, seed=seed)
+    # it refuses to go on by none
+    if number:
+        sequence.fast_forward(number)
+    share, *place, yarns, nose = map(float, sequence.random()[0])
+    velocity = velocities[0] + share * (velocities[1] - velocities[0])
+    this = places.resolve(impact.setup(velocity=velocity, nose_friction=noses.ASSUMED, **keywords))
+    unknown = interval.find_unknown(this)
+    frictions = {}
+    for (name, (low, high)), drawn in zip(sorted(unknown.items()), (yarns, nose)):
+        frictions[name] = low + drawn * (high - low)
+    # a repeat of plain weave has two crossovers each way
+    along = (2 * place[0] - 1, 2 * place[1] - 1)
+    this = interval.vary(this, places.Place("anywhere", along), frictions).setup
+    began = time.process_time()
+    row = sweep.shot(this)
+    return {
+        "velocity": velocity,
+        "left": row["residual_velocity_m_s"],
+        "u": along[0],
+        "v": along[1],
+        "yarns": this.crossovers.friction,
+        "nose": this.projectile.friction,
+        "outcome": row["outcome"],
+        "doubts": ", ".join(_doubts(row)),
+        "error": row["energy_error_max"],
+        "widened": "widened" in row,
+        "cpu_s": time.process_time() - began,
+    }
+
+
+def _answer(this: ImpactSetup, quantity: str, pinned_cost: float) -> Values:
+    """Compute an interval as the application does, and say what it cost beside a pinned run [s]."""
+    target = Target(None, this, "", this.title, from_file=False)
+    began = time.process_time()
+    plan = plan_interval(target, quantity)
+    first = interval.begin([plan])
+    (found,) = interval.follow_up([plan], first)
+    spent = time.process_time() - began
+    return _describe(found) | {"cpu_s": spent, "cost": spent / pinned_cost}
+
+
+def _describe(found: Interval) -> Values:
+    """Say what an interval answers.
+
+    Returns
+    -------
+    dict with low, high [m/s]; outcome; decides; words; runs, doubtful, stopped, stopped_doubtful, numbers of
+    runs; doubts, the checks beyond their limits with the number of runs; widened, runs that were made
+    again with all yarns resolved
+    """
+    stopped = [run for run in found.runs if run.outcome == "stopped"]
+    return {
+        "low": found.low,
+        "high": found.high,
+        "outcome": found.outcome,
+        "decides": ", ".join(found.decides),
+        "words": found.words(),
+        "runs": len(found.runs),
+        "doubtful": found.doubtful,
+        "stopped": len(stopped),
+        "stopped_doubtful": sum(run.doubtful for run in stopped),
+        "doubts": _count_doubts(found.runs),
+        "widened": sum("widened" in run.row for run in found.runs),
+    }
+
+
+def _load_kernels(this: ImpactSetup) -> None:
+    """Fire short shots with pinned and with resolved yarns, whole and in part."""
+    short = replace(this, end_time=SHORT, crossovers=None, instead=None)
+    run_impact_or_partial(short)
+    resolved = places.resolve(replace(this, end_time=SHORT))
+    for place in places.choose_places(resolved, this.strike_velocity).listed:
+        run_impact_or_partial(places.strike_at(resolved, place))
+
+
+def _doubts(row: Values) -> list[str]:
+    """The names of the checks beyond their limits of a row of `sweep`."""
+    return OF_A_DOUBT.findall(str(row.get("checks", "")))
+
+
+def _count_doubts(runs: Sequence[Run]) -> str:
+    """Each check beyond its limit, with the number of runs."""
+    names = [name for run in runs if run.doubtful for name in _doubts(run.row)]
+    return ", ".join(f"{name} ({names.count(name)})" for name in dict.fromkeys(names))
