@@ -10,7 +10,8 @@ code 1 if a guard ended a shot, its energy error is above LIMIT or a crossing wa
 
     python tools/yarn_shots.py --seed 2 --shots 60 --small --plies 3
 
-fires at panels of 20 to 40 crossovers, half of them resolved to their edges: a second or less a shot.
+fires at panels of 20 to 40 crossovers, half of them resolved to their edges: a second or less a shot. Plies of a
+pack have fewer, and are resolved to their edges.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
-from math import exp, inf, log, radians
+from math import exp, inf, log, radians, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -64,12 +65,13 @@ class Draws:
 
 
 def draw_shot(seed: int, number: int, small: bool = False, plies: int = 1) -> ImpactSetup:
-    """Draw the set-up of a number; `small` is one of 20 to 40 crossovers, `plies` are the most."""
+    """Draw the set-up of a number; `small` is one of at most 20 to 40 crossovers, `plies` are the most."""
     draws = Draws(seed, number)
     fabric = catalogue.load(draws.choice(FABRICS))
     if draws.uniform(0.0, 1.0) < 0.5:
         factors = ("modulus", "failure_strain", "crimp_warp", "crimp_weft")
         fabric = scale_fabric(fabric, **{name: draws.uniform(0.7, 1.4) for name in factors})
+    count = draws.choice(range(1, plies + 1))
     spacing = 2 * max(fabric.weave.w)
     radius = draws.uniform(2e-3, 6.5e-3)
     if small:
@@ -91,7 +93,10 @@ def draw_shot(seed: int, number: int, small: bool = False, plies: int = 1) -> Im
     opening = draws.uniform(0.07, 0.11)
     half_width = min(max(8e-3, 2.2 * radius + 6e-3), 0.4 * opening)
     if small:
-        opening = draws.uniform(20, 40) * spacing
+        # the fewer the more plies: all have about as many crossovers
+        opening = draws.uniform(20, 40) / sqrt(count) * spacing
+        half_width = inf
+    if small and count == 1:
         half_width = draws.choice((radius + 5.5 * spacing, inf))
     velocity = exp(draws.uniform(log(40), log(400)))
     # anywhere in a repeat of plain weave, which has two crossovers each way
@@ -105,7 +110,7 @@ def draw_shot(seed: int, number: int, small: bool = False, plies: int = 1) -> Im
         symmetry="whole",
         impact_point=aim,
         crossovers=YarnZone(half_width, friction),
-        plies=draws.choice(range(1, plies + 1)),
+        plies=count,
         ply_friction=FRICTION_OF_PLIES,
         end_time=200e-6,
     )

@@ -6,6 +6,8 @@ import re
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from math import sqrt
+from statistics import fmean, stdev
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +18,22 @@ from validation.cases import impact, noses
 from validation.values import Values
 from weavecell.api.intervals import plan_interval
 from weavecell.api.target import Target
-from weavecell.studies import interval, places, sweep
+from weavecell.studies import (
+    ballistic_limit,
+    inputs,
+    interval,
+    passing_shares,
+    places,
+    strengths,
+    sweep,
+    v50,
+)
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.studies.interval import Interval, Run
 
+TOLERANCE = 4.0  # [m/s] of the limit without scatter that begins a V50
 SHORT = 5e-6  # [s] of the shots that load the kernels before the clock begins
 # of an indicator in words, "name 0.2 (limit 0.1; remedy); name 3 (...)", the name
 OF_A_DOUBT = re.compile(r"(?:^doubtful: |\); )([a-z][a-z -]*?) -?[\d.]")
@@ -122,6 +134,55 @@ def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywo
         "doubts": ", ".join(_doubts(row)),
         "error": row["energy_error_max"],
         "widened": "widened" in row,
+        "cpu_s": time.process_time() - began,
+    }
+
+
+def spread(
+    *, aims: int, shots: int = 20, share: float = 0.04, seed: int = 1, **keywords: Any
+) -> Values:
+    """Compute the V50 of shots that strike anywhere beside limits that are bisected at some of the places.
+
+    Parameters
+    ----------
+    aims : drawn panels, of places, rolls and strengths of their own, whose limits are bisected
+    shots : of the V50
+    share : [-] width of the brackets over the limit without scatter
+    seed : of the shots; the panels of the limits are of the next one
+    keywords : of `impact.setup`; the friction on the nose is the assumed one
+
+    Returns
+    -------
+    dict with v50, low, high, its 95 % interval, half, at which half of the shots pass, without a curve [m/s];
+    limits [m/s] of the places, their mean and its error; off [%] of v50 from the mean; doubtful, shots of
+    the V50 with a doubtful check; cpu_s
+    """
+    this = places.resolve(impact.setup(nose_friction=noses.ASSUMED, **keywords))
+    scatter = inputs.read_scatter()
+    began = time.process_time()
+    with TemporaryDirectory() as folder:
+        found = v50.study(this, scatter, shots=shots, seed=seed, tolerance=TOLERANCE, folder=folder)
+    guess = 0.5 * sum(found.deterministic)
+    limits = []
+    for number in range(aims):
+        pack = strengths.draw_panel(v50.as_fired(this), scatter, seed + 1, number).pack
+        one = ballistic_limit.critical_velocity(pack, tolerance=share * guess, guess=guess)
+        limits.append(one.velocity)
+    middle = fmean(limits)
+    curve = found.curves["probit"]
+    low, high = curve.intervals["V50"]
+    outcomes = [(one.velocity, one.perforated) for one in found.shots]
+    passing = passing_shares.PassingShares.of_shots(*zip(*outcomes))
+    return {
+        "v50": curve.V50,
+        "low": low,
+        "high": high,
+        "half": passing.velocities[0.5],
+        "limits": sorted(limits),
+        "mean": middle,
+        "error": stdev(limits) / sqrt(aims),
+        "off": 100 * (curve.V50 / middle - 1),
+        "doubtful": found.doubtful,
         "cpu_s": time.process_time() - began,
     }
 
