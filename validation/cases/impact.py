@@ -126,6 +126,8 @@ def setup(
     *,
     change: Values | None = None,
     mesh: str = "default",
+    resolved: float | None = None,
+    longest: int = 2,
     bar_of: str | None = None,
     unchecked: Values | None = None,
     contact: Values | None = None,
@@ -144,6 +146,7 @@ def setup(
     change : keywords of `changed`
     mesh : "default", "finer", with half of its element side about the impact point, or "coarser", with one element per
         crossover
+    resolved, longest : of `ImpactSetup.graded`, the default's rule with other elements; None takes `mesh`
     bar_of : metal of an elastic-plastic bar along the axis (`as_bar`), in place of a rigid projectile
     unchecked : fields of Numerics, which are not checked
     contact : fields of PlyContact, which are not checked; plies then press on each other as solid fibre
@@ -178,6 +181,8 @@ def setup(
         made = replace(made, crossovers=replace(made.crossovers, friction=inf))
     if whole_zone:
         made = replace(made, crossovers=made.crossovers.whole)
+    if resolved is not None:
+        return made.graded(resolved, longest)
     if mesh == "coarser":
         return replace(made, elements_per_crossover=1)
     if mesh == "finer":
