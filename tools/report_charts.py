@@ -47,6 +47,8 @@ TITLES = {
     "cost-ply-stopped": "One ply of S-720, 92.5 m/s, stops the projectile",
     "cost-ply-perforated": "One ply of S-720, perforated at 160 to 220 m/s",
     "cost-pack": "Four plies of S-728, 91 m/s",
+    "cost-pack-fragment": "Four plies of S-728, a fragment of 1.1 g at 276 to 324 m/s",
+    "cost-pack-bullet": "Ten plies of S-728, a 9 mm bullet at 400 m/s",
     "cost-bullet": "9 mm bullet, twelve plies of S-745, 190 m/s",
     "crossover": "3D crossover of S-720",
     "cost-bias-extension": "Coupon: bias extension of S-728",
@@ -84,7 +86,7 @@ OF_MODELS = {
     ("solids", "20"): ("woven solids, 25.4 mm", "32 hexahedra", "400 hexahedra"),
 }
 # charts whose every method is named beside its point, since those off the front are what is compared
-ALL_NAMED = ("cost-peers", "cost-bullet")
+ALL_NAMED = ("cost-peers", "cost-bullet", "cost-pack-fragment", "cost-pack-bullet")
 # mark and colour of each outcome, and what it says
 OUTCOMES = {
     "stable": ("o", GREEN, "stable: the answer is right"),

@@ -321,17 +321,22 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
 
     @property
     def mesh_in_words(self) -> str:
-        """How long the elements about the impact point are, beside what they resolve."""
+        """How long the elements about the impact point are, how far out they lie, and what they resolve."""
         mesh = self.mesh
         side = 1.0 / (mesh.elements_per_crossover or 1)
+        until = inf
         if mesh.grading is not None:
-            side = mesh.grading[0][1]
-        longest = max(2 * max(fabric.weave.w) * side for fabric in self.fabrics)
+            until, side = mesh.grading[0]
+        crossover = max(2 * max(fabric.weave.w) for fabric in self.fabrics)
+        longest = crossover * side
+        where = "everywhere"
+        if until < inf:
+            where = f"within {1e3 * crossover * until:.2g} mm of the impact point"
         share = max(
             2 * max(fabric.weave.w) * side / fabric.failure_length for fabric in self.fabrics
         )
         return (
-            f"elements of {1e3 * longest:.2g} mm about the impact point, {share:.2g} of the failure length, "
+            f"elements of {1e3 * longest:.2g} mm {where}, {share:.2g} of the failure length, "
             f"{longest / self.projectile.radius:.2g} of the projectile's radius"
         )
 

@@ -54,9 +54,12 @@ LOOKS = 2
 # lengths of itself that a bullet of metal goes at its strike velocity until it is through or stopped: of
 # a pack of no plies, and more for each ply. Eleven shots at packs of 2 to 10 plies: 1.0 to 4.4 lengths
 FLIGHT = 1.2, 0.15
+# [%] by which half the element side moves what packs absorb of a fragment, the mean of three shots, and of a bullet:
+# the larger of the studies cost-pack-fragment and cost-pack-bullet
+MOVED_BY_HALF = 6.0
 HALF_OF_THEM = (
     "elements half as long: four times as many, in steps of half the length at least, for 3 to 8 times "
-    "the CPU time"
+    f"the CPU time; they moved the energy that two packs absorb by {MOVED_BY_HALF:g} % at most"
 )
 WITHIN = 2.0  # by which factor the time of a flight is known
 # [s] a forecast of more says what it grows with, and of a study what spreads it

@@ -1,7 +1,9 @@
 """`impact --check`: what it says a run takes is what the run takes, and nothing is written."""
 
 from dataclasses import replace
+from pathlib import Path
 
+import pandas
 import pytest
 
 import weavecell as wc
@@ -13,6 +15,7 @@ from weavecell.studies import assumed_range
 from weavecell.studies.ballistic_limit import first_guess
 from weavecell.studies.bracket import Bracket
 
+DATA = Path(__file__).parents[3] / "docs" / "reports" / "data"
 PACK = {"opening": "30 mm", "plies": 2, "ply_gap": "0.1 mm", "end_time": "10 us"}
 
 
@@ -163,11 +166,24 @@ def test_a_bullet_is_told_its_mesh_and_what_the_one_that_is_found_costs():
     pack = {"plies": 2, "opening": "60 mm"}
     bullet = pack | {"projectile": "9 mm FMJ 8.0 g"}
     setup = wc.setup("S-728", "300 m/s", **bullet)
-    found = "elements of 0.37 mm about the impact point, 0.5 of the failure length"
+    found = "elements of 0.37 mm within 15 mm of the impact point, 0.5 of the failure length"
     assert found in str(wc.impact(setup, check=True).of_bullet)
     coarse = wc.impact(setup.graded(2.0, 4), check=True).of_bullet
-    assert "mesh given: elements of 1.5 mm about the impact point, 2 of the" in coarse[1]
+    assert "mesh given: elements of 1.5 mm within 18 mm of the impact point, 2 of the" in coarse[1]
     assert coarse[2].endswith("0.083 of the projectile's radius")
     assert found in coarse[2]
+    even = wc.impact(replace(setup, elements_per_crossover=1), check=True).of_bullet
+    assert "mesh given: elements of 1.5 mm everywhere" in even[1]
     fragment = wc.setup("S-728", "300 m/s", **pack, projectile="FSP 1.10 g")
     assert wc.impact(fragment, check=True).of_bullet == ()
+
+
+def test_the_error_that_is_told_of_a_found_mesh_is_the_larger_of_its_studies():
+    """Of both packs the default is on the front of cost and error, less than a tenth off half its element side."""
+    off = []
+    for pack in ("fragment", "bullet"):
+        rows = pandas.read_csv(DATA / f"cost-pack-{pack}.csv", skiprows=1, index_col="method")
+        off.append(rows.loc["default", "error of absorbed energy [%]"])
+        assert "absorbed energy" in rows.loc["default", "Pareto-optimal in"]
+    assert run_size.MOVED_BY_HALF == pytest.approx(max(off), abs=0.05)
+    assert max(off) < 10
