@@ -4,7 +4,7 @@ A test in clay measures the dent that stays, one in clear gel the deepest point 
 The two are not the same number: a dent springs back. Both are read off the depth that a gauge finds
 at the samples of a run: the greatest mean over a disc. A single node is no measurement: with bricks
 of 2, 1 and 0.75 mm behind one shot the deepest one stood at 5.52, 4.57 and 4.25 mm, where the mean
-over such a disc was 3.35, 3.12 and 3.07 mm.
+over such a disc was 3.34, 3.12 and 3.07 mm.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def gauge(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
 
     Its centre is a node within GAUGE of the deepest one, found by the middles of the facets, or the
     deepest node itself where that reads more. Which node is deepest is chance: under one nose it
-    changes from sample to sample, and a disc about it read up to 29 % less than one about the axis.
+    changes from sample to sample, and a disc about it read up to 34 % less than the greatest.
 
     Parameters
     ----------
