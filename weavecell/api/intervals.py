@@ -80,6 +80,12 @@ def plan_interval(target: Target, quantity: str, tolerance: float | None = None)
             raise InputError(key="panel.crossovers", value="pinned", allowed=allowed)
         if case.scene.accuracy is not None:
             raise InputError(key="accuracy", allowed="left out of an interval")
+    if target.setup.projectile.body == "metal":
+        allowed = (
+            "rigid in an interval: its yarns are resolved, whose forces do not reach the rings of a body of "
+            "metal; or one run, of pinned yarns"
+        )
+        raise InputError(key="projectile.body", value="metal", allowed=allowed)
     with target.name_problems():
         setup = places.resolve(target.setup)
         velocity = setup.strike_velocity

@@ -346,6 +346,8 @@ class V50Result(StudyResult):
         columns = dict(super()._columns())
         if self.target.setup.crossovers is None:  # only those of resolved yarns are drawn
             del columns["impact_point_x_m"], columns["impact_point_y_m"]
+        if not any(columns["widened"]):
+            del columns["widened"]
         return columns
 
     @cached_property
@@ -441,6 +443,8 @@ class V50Result(StudyResult):
             remarks.append(study.series.words())
             remarks += regression_line.remarks(self.target.setup, self.v50)
         remarks += [f"Without an outcome: {failure}." for failure in study.failures]
+        if study.widened:
+            remarks.append(f"{study.widened}.")
         if study.doubtful:
             counts = Counter(name for shot in shots for name in shot.doubtful)
             names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())

@@ -125,11 +125,7 @@ class Limit:
     @property
     def widened(self) -> str:
         """How many shots were fired again with all yarns resolved, in words; "" if none was."""
-        again = sum(bool(shot.widened) for shot in self.shots)
-        if not again:
-            return ""
-        of = f"{again} of {counted(len(self.shots), 'shot')}"
-        return f"{of} fired again with all yarns resolved: their zone was too small"
+        return count_widened([shot.widened for shot in self.shots])
 
     @property
     def highest_stop(self) -> float:
@@ -161,6 +157,20 @@ class Limit:
         """Whether the shots know of one limit only: none stopped that was faster than one that
         perforated."""
         return self.mixed_zone is None
+
+
+def count_widened(reasons: Sequence[str]) -> str:
+    """Count the shots that were fired again with all yarns resolved, in words; "" if none was.
+
+    Parameters
+    ----------
+    reasons : why each shot was, or ""
+    """
+    again = sum(map(bool, reasons))
+    if not again:
+        return ""
+    of = f"{again} of {counted(len(reasons), 'shot')}"
+    return f"{of} fired again with all yarns resolved: their zone was too small"
 
 
 class KeptShots:

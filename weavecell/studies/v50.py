@@ -80,6 +80,7 @@ class Shot:
     balance : [-] error of the energy balance over the strike energy
     doubtful : names of the quality checks of the shot that are beyond their limits
     failure : why the shot has no outcome, or ""
+    widened : why it was fired again with all yarns resolved, or ""
     """
 
     number: int
@@ -94,6 +95,7 @@ class Shot:
     balance: float
     doubtful: tuple[str, ...] = ()
     failure: str = ""
+    widened: str = ""
 
     @property
     def outcome(self) -> str:
@@ -153,8 +155,14 @@ class Study:
         """Number of shots with a quality check beyond its limit."""
         return sum(bool(shot.doubtful) for shot in self.shots)
 
+    @property
+    def widened(self) -> str:
+        """How many shots were fired again with all yarns resolved, in words; "" if none was."""
+        return ballistic_limit.count_widened([shot.widened for shot in self.shots])
+
     def summary(self) -> dict[str, Any]:
         """Return its numbers, {name with unit: value}."""
+        widened = {"widened": self.widened} if self.widened else {}
         curve = self.curves["probit"]
         low, high = curve.intervals["V50"]
         return {
@@ -178,6 +186,7 @@ class Study:
             "series_low_m_s": self.series.low,
             "series_high_m_s": self.series.high,
             "series_with_result": self.series.share,
+            **widened,
         }
 
 
@@ -202,6 +211,7 @@ def fire(
     panel["doubtful"] = tuple(check.name for check in shot.checks if check.doubtful)
     left = shot.residual_velocity
     through = shot.perforated
+    panel["widened"] = shot.widened
     return Shot(number, velocity, left, through, **panel, balance=shot.balance)
 
 

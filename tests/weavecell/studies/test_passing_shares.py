@@ -1,6 +1,7 @@
 """Shares of shots that pass: from shots at places whose limits differ, without a curve."""
 
 import json
+from dataclasses import replace
 from math import isnan
 
 import numpy as np
@@ -10,7 +11,7 @@ import weavecell as wc
 from weavecell.api.scatter import V50Result
 from weavecell.api.target import resolve_target
 from weavecell.report import installed
-from weavecell.studies import passing_shares, probit, v50
+from weavecell.studies import ballistic_limit, passing_shares, probit, v50
 from weavecell.studies.inputs import read_scatter
 from weavecell.studies.passing_shares import PassingShares
 
@@ -74,6 +75,33 @@ def result(friction):
     curves = {link: probit.fit(*outcomes, link=link) for link in probit.LINKS}
     study = v50.Study((57.0, 59.0), tuple(rows), curves, read_scatter())
     return V50Result(study, target, 1, 6, 0.0)
+
+
+def test_shots_whose_zone_was_too_small_are_counted(tmp_path, monkeypatch):
+    monkeypatch.setattr(installed, "can_draw", lambda: False)
+    plain = result(0.1)
+    assert "widened" not in plain.summary()
+    assert "widened" not in plain.to_dataframe()
+    assert "fired again" not in str(plain)
+    rows = list(plain.study.shots)
+    for number in (2, 7, 11):
+        rows[number] = replace(rows[number], widened=f"a yarn slipped by 0.{number}")
+    found = replace(plain, study=replace(plain.study, shots=tuple(rows)))
+    told = "3 of 12 shots fired again with all yarns resolved: their zone was too small"
+    assert f"{told}." in found.lines()
+    found.save(tmp_path / "r")
+    assert json.loads((tmp_path / "r/v50.json").read_text())["widened"] == told
+    column = wc.load(tmp_path / "r").to_dataframe()["widened"]
+    assert list(column[column != ""]) == [rows[number].widened for number in (2, 7, 11)]
+
+
+def test_a_fired_shot_says_why_it_was_fired_again(monkeypatch):
+    fired = ballistic_limit.Shot(
+        70.0, 12.0, "perforated", 1e-4, 3.0, (90.0, 70.0), 0.003, 0.5, (), "cut outside the zone"
+    )
+    monkeypatch.setattr(ballistic_limit, "shoot", lambda *_, **__: (fired,))
+    shot = v50.fire(wc.setup("S-728", 60, opening="30 mm"), read_scatter(), 3, 4, 70.0)
+    assert (shot.widened, shot.residual) == ("cut outside the zone", 12.0)
 
 
 def test_yarns_that_may_slip_have_shares_in_place_of_v50(tmp_path, monkeypatch):
