@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 import weavecell as wc
+from fabrics import backings
 from fabrics.base.errors import InputError
 from weavecell.studies import interval, sweep
 from weavecell.studies.interval import Interval, Run, Variation
@@ -333,3 +334,55 @@ def test_limits_of_packs_are_subtracted_with_their_intervals():
 def test_what_no_interval_of_a_comparison_reads_is_refused(options, words):
     with pytest.raises(InputError, match=words):
         wc.compare("S-720", "S-728", interval=True, check=True, **(PANEL | options))
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning", "ignore::weavecell.DoubtfulResult")
+def test_an_interval_before_clay_and_before_gelatine_has_the_block_in_each_run(scene):
+    """Both stop more than nothing behind, and clay, which is denser, more than gelatine."""
+    block = 'size = ["40 mm", "40 mm", "20 mm"]\nmin_size = "3 mm"\nrefined_depth = "6 mm"\ngrowth = 1.5'
+    short = SCENE.replace("18 us", "11 us")
+    scene.write_text(short + f'[backing]\nmaterial = "gelatine 10 %"\n{block}\n')
+    over = {"backing.material": ["Roma Plastilina No. 1", "gelatine 10 %"]}
+    plan = wc.sweep.plan(scene, over=over, interval=True)
+    runs = [[run.setup for run in each.first] for each in plan.intervals]
+    materials = [{run.backing.material for run in of_row} for of_row in runs]
+    assert materials == [{backings.load(name)} for name in over["backing.material"]]
+    assert [run.symmetry for run in runs[0]] == ["quarter", "whole", "quarter"]
+    table = wc.sweep(scene, over=over, interval=True).to_dataframe()
+    scene.write_text(short)
+    over = {STRIKE: ["120 m/s"]}
+    (free,) = wc.sweep(scene, over=over, interval=True).rows
+    for end in ("low", "high"):
+        clay, gelatine = table[f"residual_velocity_{end}_m_s"]
+        assert clay < gelatine < free[f"residual_velocity_{end}_m_s"]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_body_of_metal_is_refused_with_what_would_do(scene):
+    nose = SCENE[SCENE.index("[projectile]") : SCENE.index("[panel]")]
+    bullet = '[projectile]\nname = "9 mm FMJ 8.0 g"\nstrike_velocity = "300 m/s"\n'
+    scene.write_text(SCENE.replace(nose, bullet).replace("24 mm", "80 mm"))
+    words = (
+        "projectile.body = .metal.: must be rigid in an interval: .* or one run, of pinned yarns"
+    )
+    over = {STRIKE: ["250 m/s"]}
+    with pytest.raises(InputError, match=words):
+        wc.sweep(scene, over=over, interval=True, check=True)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_the_friction_of_plies_is_varied_of_a_pack_and_not_of_one_ply():
+    panel = PANEL | {"opening": "60 mm"}
+    pack = wc.setup("S-728", 120, plies=2, **panel)
+    one = wc.setup("S-728", 120, **panel)
+    plan = wc.sweep.plan(pack, over={STRIKE: [120]}, interval=True).intervals[0]
+    low, high = plan.unknown[PLIES]
+    assert low < high
+    assert [run.setup.ply_friction for run in plan.first] == [low, low, high]
+    alone = [run for run in plan.plan_more(GAP) if run.setup.ply_friction == high]
+    assert [run.frictions for run in alone] == [
+        {YARNS: plan.unknown[YARNS][0], NOSE: plan.unknown[NOSE][0], PLIES: high}
+    ]
+    single = wc.sweep.plan(one, over={STRIKE: [120]}, interval=True).intervals[0]
+    assert PLIES not in single.unknown
+    assert {run.setup.ply_friction for run in single.first} == {one.ply_friction}
