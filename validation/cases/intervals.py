@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import sqrt
 from statistics import fmean, stdev
@@ -234,7 +234,7 @@ def _load_kernels(this: ImpactSetup) -> None:
         run_impact_or_partial(places.strike_at(resolved, place))
 
 
-def _doubts(row: Values) -> list[str]:
+def _doubts(row: Mapping[str, object]) -> list[str]:
     """The names of the checks beyond their limits of a row of `sweep`."""
     return OF_A_DOUBT.findall(str(row.get("checks", "")))
 

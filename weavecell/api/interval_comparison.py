@@ -21,8 +21,8 @@ from fabrics.base.counted import counted
 from fabrics.base.frozen import explain_frozen
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running
-from weavecell.api.comparison import OfTwoPanels
 from weavecell.api.intervals import add_up, leave_out, plan_interval
+from weavecell.api.of_two_panels import OfTwoPanels
 from weavecell.api.run_size import StudySize
 from weavecell.report import installed
 from weavecell.results import one_table, out_folder

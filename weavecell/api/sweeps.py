@@ -153,10 +153,10 @@ class SweepPlan(Plan["SweepTable"]):
         """Compute the rows."""
         found: tuple[Interval, ...] = ()
         if self.intervals:
-            from weavecell.studies import sweep as studies
+            from weavecell.studies import interval_row
 
             found = tuple(self._compute_intervals(running))
-            rows = list(map(studies.row_of_interval, found))
+            rows = list(map(interval_row.make_row, found))
         else:
             rows = self._compute_rows(running)
         table = []

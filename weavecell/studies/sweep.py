@@ -6,20 +6,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fabrics.base.counted import counted
 from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
 from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane import quality
 from shellfabric.membrane.indicator import OK, status
-from weavecell.studies import inputs, interval, pack_limit, v50
+from weavecell.studies import inputs, pack_limit, v50
 from weavecell.studies import limit as limits
-from weavecell.studies.interval import Interval
 from weavecell.studies.limit_scan import ScanRange
 
 MIXED = "mixed outcomes"
-ALIKE = "alike wherever it strikes"  # limits over what nobody knows
 INTERVAL = f"{100 * pack_limit.CONFIDENCE:g} % interval"
 
 
@@ -77,38 +74,6 @@ def row(
     except WeavecellError as problem:
         kinds = {UnstableError: "unstable", UndecidedError: "undecided"}
         return {"outcome": f"{kinds.get(type(problem), 'not determined')}: {problem}"}
-
-
-def row_of_interval(found: Interval) -> dict[str, Any]:
-    """Return the row of an answer over what nobody knows: outcome, lowest and highest value, and what
-    decides."""
-    ends = QUANTITIES[found.quantity].over_unknown.ends
-    assert ends is not None
-    runs = len(found.runs)
-    checks = OK
-    if found.doubtful:
-        checks = f"doubtful: {found.doubtful} of {counted(runs, 'run')}"
-    widened = [run.row["widened"] for run in found.runs if "widened" in run.row]
-    again = ""
-    if widened:
-        again = f"{len(widened)} of {counted(runs, 'run')}: {widened[0]}"
-    return {
-        "outcome": _outcome_of_interval(found),
-        **dict(zip(ends, (found.low, found.high))),
-        "decides": ", ".join(found.decides),
-        "runs": runs,
-        "checks": checks,
-        **_say_widened(again),
-    }
-
-
-def _outcome_of_interval(found):
-    """Outcome of all shots, or that of limits, which is the same of one ply that has a limit."""
-    if found.quantity == interval.SHOT or found.low is None:
-        return found.outcome or found.runs[0].outcome
-    if found.agrees:
-        return ALIKE
-    return interval.DEPENDS
 
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:

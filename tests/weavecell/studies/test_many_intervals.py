@@ -8,7 +8,7 @@ import pytest
 import weavecell as wc
 from fabrics import backings
 from fabrics.base.errors import InputError
-from weavecell.studies import interval, sweep
+from weavecell.studies import interval, interval_row, sweep
 from weavecell.studies.interval import Interval, Run, Variation
 from weavecell.studies.interval_difference import Pair
 from weavecell.studies.places import CROSSOVER, GAP, Places
@@ -68,7 +68,10 @@ def test_a_row_of_a_sweep_has_both_ends_of_an_interval_and_what_decides():
         (GAP, 0.3, 0.0, shot(22.0)),
         (GAP, 0.1, 0.2, shot(49.0)),
     )
-    assert sweep.row_of_interval(found) == {
+    over = sweep.QUANTITIES["shot"].over_unknown
+    assert over.ends == ("residual_velocity_low_m_s", "residual_velocity_high_m_s")
+    assert over.is_span
+    assert interval_row.make_row(found) == {
         "outcome": "depends",
         "residual_velocity_low_m_s": 0.0,
         "residual_velocity_high_m_s": 61.0,
@@ -79,7 +82,7 @@ def test_a_row_of_a_sweep_has_both_ends_of_an_interval_and_what_decides():
     }
     first = (CROSSOVER, 0.1, 0.0, limit(101.0, 103.0))
     alike = answer("critical-velocity", first, (GAP, 0.1, 0.0, limit(104.0, 105.0)))
-    row = sweep.row_of_interval(alike)
+    row = interval_row.make_row(alike)
     ends = row["critical_velocity_low_m_s"], row["critical_velocity_high_m_s"]
     assert (row["outcome"], row["decides"], *ends) == (
         "alike wherever it strikes",
@@ -88,10 +91,10 @@ def test_a_row_of_a_sweep_has_both_ends_of_an_interval_and_what_decides():
         104.5,
     )
     differ = answer("critical-velocity", first, (GAP, 0.1, 0.0, limit(70.0, 74.0)))
-    row = sweep.row_of_interval(differ)
+    row = interval_row.make_row(differ)
     assert (row["outcome"], row["decides"]) == ("depends", "the place")
     lost = answer("critical-velocity", (CROSSOVER, 0.1, 0.0, {"outcome": "undecided: slow"}))
-    row = sweep.row_of_interval(lost)
+    row = interval_row.make_row(lost)
     assert (row["outcome"], row["critical_velocity_low_m_s"]) == ("undecided: slow", None)
 
 
