@@ -156,10 +156,10 @@ class IntervalComparisonResult(OfTwoPanels):
 
     Examples
     --------
-    >>> panel = {"opening": "30 mm", "crossovers": "yarns", "zone": "9 mm", "crossover_friction": 0.2}
-    >>> found = wc.compare("S-720", "S-728", interval=True, tolerance="20 m/s", **panel)
-    >>> found.verdict, len(found.to_dataframe())
-    ('not decided', 2)
+    >>> panel = {"opening": "30 mm", "crossovers": "yarns", "zone": "9 mm", "crossover_friction": 0.3}
+    >>> size = wc.compare("S-720", "S-726", interval=True, check=True, **panel)
+    >>> size.searches  # of each panel with both ends of the friction on its nose
+    4
     """
 
     kind = "interval_difference"
