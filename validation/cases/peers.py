@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from shellfabric.impact.run import run_impact
 from validation.cases import noses
 from validation.cases.laws import card_table, law_of_card
 from validation.models.cable.net import CableNet
+from validation.study import read
 from validation.values import Values
 from weavecell.studies import mesh_uncertainty
 
@@ -69,13 +69,11 @@ def struck(
 
 def _recorded(fabric, velocity):
     """The run of the deck of this fabric at this velocity in OpenRadioss, from the table that keeps it."""
-    with open(RECORDED, encoding="utf-8", newline="") as file:
-        rows = [
-            row
-            for row in csv.DictReader(file)
-            if row["deck"].startswith(f"{fabric}, ")
-            and row["deck"].endswith(f" at {velocity:g} m/s")
-        ]
+    rows = [
+        row
+        for row in read(RECORDED)[1]
+        if row["deck"].startswith(f"{fabric}, ") and row["deck"].endswith(f" at {velocity:g} m/s")
+    ]
     return {
         "t": np.array([0.0, *(1e-6 * float(row["at [us]"]) for row in rows)]),
         "v": np.array([velocity, *(float(row["OpenRadioss [m/s]"]) for row in rows)]),
