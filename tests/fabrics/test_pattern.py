@@ -430,7 +430,7 @@ def test_an_interval_takes_a_pattern_that_no_plane_mirrors(point, own):
     """Pinned yarns of the same shot would be computed as a quarter."""
     setup = {"opening": "30 mm", "end_time": "8 us", **point}
     made = wc.impact.plan(own("basket 2x2"), "90 m/s", interval=True, **setup)
-    assert {run.setup.symmetry for run in made.plan.first} == {"whole"}
+    assert {run.setup.symmetry for run in made.interval.first} == {"whole"}
 
 
 def test_a_page_shows_the_cell_of_crossings_of_several_kinds_by_their_mean(own, monkeypatch):

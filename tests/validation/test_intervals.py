@@ -1,14 +1,13 @@
 """The cases of studies of answers over what nobody knows: what they read off, and what they draw."""
 
 from math import nan
-from types import SimpleNamespace
 
 import pytest
 
 from shellfabric.membrane import quality
 from validation.cases import intervals
 from weavecell.studies import sweep
-from weavecell.studies.interval import SHOT, Interval, Run, Variation
+from weavecell.studies.interval import SHOT, Interval, Run
 from weavecell.studies.places import CROSSOVER, GAP, Places
 
 RIM = quality.indicator("slip at the rim", 0.31)
@@ -27,8 +26,7 @@ def test_the_checks_of_a_row_are_read_by_name():
 
 def run_of(place, outcome, left, *checks, **more):
     row = {"outcome": outcome, "residual_velocity_m_s": left, "checks": sweep._with_reasons(checks)}
-    setup = SimpleNamespace(strike_velocity=100.0)
-    return Run(Variation(place, {}, setup), row | more)
+    return Run(place, {}, row | {"strike_velocity_m_s": 100.0} | more)
 
 
 def test_an_answer_counts_doubtful_runs_those_that_stopped_and_those_run_again():

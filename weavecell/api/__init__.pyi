@@ -24,7 +24,6 @@ from weavecell.api.exports import export as export
 from weavecell.api.interval_comparison import (
     IntervalComparisonResult as IntervalComparisonResult,
 )
-from weavecell.api.intervals import IntervalResult as IntervalResult
 from weavecell.api.laboratory_tests import TestsBesideShots as TestsBesideShots
 from weavecell.api.laboratory_tests import TestsResult as TestsResult
 from weavecell.api.laboratory_tests import reduce_tests as reduce_tests

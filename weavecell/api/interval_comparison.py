@@ -292,7 +292,7 @@ class IntervalComparisonResult(OfTwoPanels):
         """Return {file: what it holds}, as `DrawnResult` does."""
         runs = {}
         for side, own in zip("ab", self.difference.runs):
-            runs[side] = [run.variation.columns("critical-velocity") | dict(run.row) for run in own]
+            runs[side] = [dict(run.row) for run in own]
         content = {"format": "weavecell interval difference 1", **one_table.facts(self, self.kind)}
         content |= {"runs": runs, "pairs": self.difference.rows}
         return dict(zip(FILES, (content, self.to_csv(), None)))
@@ -339,7 +339,7 @@ def _say_run(run):
     notes = [run.row.get("widened", "")]
     if run.doubtful:
         notes.insert(0, run.row["checks"])
-    return "; ".join(filter(None, (f"{run.variation.name}: {value}{run.outcome}", *notes)))
+    return "; ".join(filter(None, (f"{run.name}: {value}{run.outcome}", *notes)))
 
 
 def _turn(rows):

@@ -1,59 +1,87 @@
 """The answer of a shot, or of a search of the critical velocity, over what nobody knows: where the
 nose strikes, and each friction that nobody gave (`studies.interval`).
 
-The folder of `weavecell impact --interval` and `weavecell critical-velocity --interval`
-    scene.toml      the input file
-    inputs/         copies of the files that the input file names
-    interval.json   the answer, what was varied and what decides; the runs; provenance
-    interval.csv    a row for each run
-    interval.svg    the value of each run
-    report.html     all of it on one page
-    runs/           a file for each finished run, from which `--resume` goes on
+The first of its runs is the one whose shots a result shows; the others follow it.
 """
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal
 
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
-from fabrics.base.frozen import explain_frozen
-from weavecell.api import quantities
-from weavecell.api.command import Plan, Running
 from weavecell.api.run_size import StudySize, forecast_row
-from weavecell.api.study_result import StudyResult
-from weavecell.results import one_table, out_folder
-from weavecell.results.keys import find_axis
+from weavecell.results import one_table, progress
 from weavecell.results.left_out import DATA, LeftOut
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from weavecell.api.target import Target
     from weavecell.studies.interval import Interval, IntervalPlan, Variation
 
-NAMES = ("interval.json", "interval.csv", "interval.svg", *out_folder.INPUT, "report.html")
+RUNS = "interval"  # folder of the finished runs
+TABLE = "interval.csv"
+# what a command asks for: an interval where there is anything to answer over
+OPEN: Literal["open"] = "open"
 
 
-def plan_answer(
-    target: Target, quantity: str, tolerance: float | None, beside: Mapping[str, object]
-) -> AnswerPlan:
-    """Plan the result of `plan_interval`.
+def choose_interval(
+    target: Target,
+    quantity: str,
+    choice: bool | str,
+    tolerance: float | None = None,
+    refused: Mapping[str, object] | None = None,
+) -> IntervalPlan | None:
+    """Plan the answer of a target over what nobody knows, if it is asked for.
 
     Parameters
     ----------
-    beside : {option: value} of options that an interval does not read; None of what is not given
+    target : as it was given
+    quantity : "shot" or "critical-velocity"
+    choice : False; True; or `OPEN`, where place or a friction is open and resolved yarns can answer
+    tolerance : as of `plan_interval`
+    refused : {option: value} of options that leave no interval; None of what is not given
 
     Raises
     ------
-    InputError : one of these options, or as `plan_interval`
+    InputError : another choice; of True one of these options, and what `plan_interval` refuses; of
+        `OPEN` what one run refuses
     """
-    quantities.refuse_unused(beside, "of an interval")
-    plan = plan_interval(target, quantity, tolerance)
-    return AnswerPlan(replace(target, setup=plan.first[0].setup), plan)
+    if choice not in (True, False, OPEN):
+        raise InputError(key="interval", value=choice, allowed=f"True, False or {OPEN!r}")
+    if not choice:
+        return None
+    given = [key for key, value in (refused or {}).items() if value is not None]
+    if choice is True:
+        if given:
+            raise InputError(key=given[0], allowed="left out of an interval")
+        return plan_interval(target, quantity, tolerance)
+    if given or target.is_pinned:
+        return None
+    _check_as_given(target)
+    try:
+        plan = plan_interval(target, quantity, tolerance)
+    except InputError:
+        # a mesh of its own, say, which pinned yarns alone read: the one run says what is open
+        return None
+    if len(plan.first) < 2:
+        return None
+    return plan
+
+
+def _check_as_given(target):
+    """Refuse an input that one run of it would refuse: its part of the panel, say, which an interval
+    chooses by the place."""
+    from weavecell.studies import choice
+
+    setup = target.setup
+    with target.name_problems():
+        if setup.instead is not None:
+            setup = choice.with_resolved(setup)
+        setup.plain_panels()
 
 
 def plan_interval(target: Target, quantity: str, tolerance: float | None = None) -> IntervalPlan:
@@ -118,58 +146,20 @@ def _has_own_place(target):
     return tuple(setup.impact_point) not in usual
 
 
-@dataclass(frozen=True)
-class AnswerPlan(Plan["IntervalResult"]):
-    """An answer over what nobody knows that is about to be computed.
-
-    Parameters
-    ----------
-    target : Target, with the set-up of the first run
-    plan : `weavecell.studies.interval.IntervalPlan`
-    """
-
-    files = NAMES
-
-    target: Target
-    plan: IntervalPlan
-
-    @property
-    def inputs(self) -> Sequence[tuple]:
-        """Set-up, quantity and tolerance of each of the first runs."""
-        return [self.plan.arguments(run) for run in self.plan.first]
-
-    @property
-    def title(self) -> str:
-        """What is computed."""
-        return f"{self.target.title}, {self.plan.quantity.replace('-', ' ')} over what nobody knows"
-
-    def forecast(self) -> StudySize:
-        """Forecast shots and CPU time of the runs, and of those that follow if they do not agree."""
-        return replace(forecast_all(self.plan, self.target), title=self.title)
-
-    def run(self, running: Running) -> IntervalResult:
-        """Compute the first runs, and if they do not agree those that tell what decides."""
-        from weavecell.studies import interval
-
-        log = logging.getLogger("weavecell")
-        plans = [self.plan]
-        count = counted(len(self.plan.first), "run")
-        log.info(f"{self.title}: {count}, {self.forecast().cost}")
-        with running.count(count) as part:
-            (found,) = interval.begin(plans, report=part(), **running.cache)
-        if more := interval.find_more(self.plan, found):
-            count = counted(len(more), "run")
-            cost = add_up(self.plan, more, self.target).cost
-            log.info(f"they do not agree: {count} more, {cost}")
-            with running.count(count) as part:
-                (found,) = interval.follow_up(plans, [found], report=part(), **running.cache)
-        return running.save(IntervalResult(self.target, found, running.wall_time))
+def forecast_beside(plan: IntervalPlan, target: Target) -> StudySize:
+    """Forecast the runs that follow the one that is shown, and those that follow if they do not
+    agree."""
+    return _forecast(plan, plan.first[1:], target)
 
 
 def forecast_all(plan: IntervalPlan, target: Target) -> StudySize:
     """Forecast shots and CPU time of the runs of a plan, and of those that follow if these do not
     agree."""
-    size = add_up(plan, plan.first, target)
+    return _forecast(plan, plan.first, target)
+
+
+def _forecast(plan, runs, target):
+    size = add_up(plan, runs, target)
     # the last place has no plane of symmetry, or as many as the others
     more = plan.plan_more(plan.places.listed[-1])
     if not more:
@@ -184,6 +174,52 @@ def add_up(plan: IntervalPlan, runs: Sequence[Variation], target: Target) -> Stu
         panel = replace(target, setup=run.setup)
         sizes.append(forecast_row(panel, plan.quantity, 0, plan.tolerance))
     return StudySize.add_up(target.title, [run.name for run in runs], sizes)
+
+
+def complete(plan: IntervalPlan, target: Target, row: Mapping[str, Any], **cache: Any) -> Interval:
+    """Compute the runs that follow the one that is shown, and where they do not agree those that tell
+    what decides.
+
+    Parameters
+    ----------
+    plan : IntervalPlan
+    target : that was shot at
+    row : of `sweep.row`, of the run that is shown
+    **cache : folder, jobs and executor of `run_cache.results`
+    """
+    from weavecell.studies import interval
+
+    log = logging.getLogger("weavecell")
+    rest = plan.first[1:]
+    count = counted(len(rest), "run")
+    log.info(f"the answer over what nobody knows: {count} more, {add_up(plan, rest, target).cost}")
+    with _bar(count) as report:
+        (others,) = interval.run_all([plan], [rest], report=report, **cache)
+    done = (interval.Run.of(plan.first[0], plan.quantity, row), *others)
+    found = interval.Interval(plan.quantity, plan.places, plan.unknown, done)
+    more = interval.find_more(plan, found)
+    if not more:
+        return found
+    count = counted(len(more), "run")
+    log.info(f"they do not agree: {count} more, {add_up(plan, more, target).cost}")
+    with _bar(count) as report:
+        (found,) = interval.follow_up([plan], [found], report=report, **cache)
+    return found
+
+
+@contextmanager
+def _bar(title):
+    """The progress of counted runs: report(number done, number of all)."""
+    with progress.bar(title) as advance:
+        yield lambda done, of: advance(done / of, f"{done} of {of}")
+
+
+def summarise(found: Interval | None) -> dict[str, Any]:
+    """Return the entries of a JSON file, answer and interval; none without one."""
+    if found is None:
+        return {}
+    content = one_table.facts(found, "interval") | {"runs": found.rows}
+    return {"answer": found.words(), "interval": content}
 
 
 def leave_out(
@@ -205,141 +241,3 @@ def leave_out(
     varied = "only the place and frictions are varied"
     text = f"{varied}, the range over {', '.join(names)} is not computed"
     return LeftOut(DATA, "", text), *others
-
-
-@explain_frozen
-@dataclass(frozen=True, repr=False)
-class IntervalResult(StudyResult):
-    """The answer of a shot or of a search over what nobody knows.
-
-    Parameters
-    ----------
-    target : `weavecell.api.target.Target` of the first run
-    interval : `weavecell.studies.interval.Interval`, with the runs, what was varied, and what decides
-    wall_time : [s]
-
-    Examples
-    --------
-    >>> shot = {"opening": "30 mm", "end_time": "8 us", "crossovers": "yarns", "zone": "9 mm"}
-    >>> found = wc.impact("S-720", "150 m/s", interval=True, crossover_friction=0.2, **shot)
-    >>> found.outcome, len(found.to_dataframe())
-    ('in flight', 2)
-    """
-
-    kind = "interval"
-
-    target: Target
-    interval: Interval
-    wall_time: float = 0.0
-
-    @property
-    def title(self) -> str:
-        from weavecell.studies import interval
-
-        if self.interval.quantity == interval.SHOT:
-            return self.target.shot_title
-        return self.target.title
-
-    @property
-    def outcome(self) -> str:
-        """Outcome of all shots; "depends" where they differ; "" of limits."""
-        return self.interval.outcome
-
-    @property
-    def low(self) -> float | None:
-        """[m/s] lowest residual velocity, or limit."""
-        return self.interval.low
-
-    @property
-    def high(self) -> float | None:
-        """[m/s] highest residual velocity, or limit."""
-        return self.interval.high
-
-    @property
-    def decides(self) -> tuple[str, ...]:
-        """What decides the answer, in words; empty where all runs agree."""
-        return self.interval.decides
-
-    @property
-    def answer(self) -> str:
-        """The answer in one line."""
-        return self.interval.words()
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """How many runs are doubtful."""
-        if not self.interval.doubtful:
-            return ()
-        return (f"{self.interval.doubtful} of {counted(len(self.interval.runs), 'run')}",)
-
-    @property
-    def left_out(self) -> tuple[LeftOut, ...]:
-        """As in `StudyResult`; of what is assumed, what the runs do not vary."""
-        return leave_out(super().left_out, self.target, self.interval, ranged=False)
-
-    @property
-    def headline(self) -> tuple[str, str]:
-        from weavecell.studies import interval
-        from weavecell.studies.sweep import QUANTITIES
-
-        if self.interval.quantity == interval.SHOT:
-            return "Outcome", self.answer
-        column = QUANTITIES[self.interval.quantity].column
-        return find_axis(column).words.capitalize(), self.answer
-
-    def _what(self):
-        return f"{self.title}: {self.answer}"
-
-    @property
-    def _named(self):
-        """The runs, with the columns of the table that the solver does not give."""
-        quantity = self.interval.quantity
-        return [run.variation.columns(quantity) | dict(run.row) for run in self.interval.runs]
-
-    def _columns(self):
-        rows = self._named
-        names = dict.fromkeys(name for row in rows for name in row)
-        return {name: [row.get(name) for row in rows] for name in names}
-
-    def draw(self, pyplot: Any) -> Figure:
-        """Draw the value of each run [m/s], and the interval."""
-        from weavecell.report import pictures_uncertainty
-        from weavecell.studies.sweep import QUANTITIES
-
-        label = pictures_uncertainty.label_quantity(QUANTITIES[self.interval.quantity])
-        return pictures_uncertainty.draw_interval(pyplot, self.interval, label)
-
-    def files(self) -> dict[str, Any]:
-        """Return {file: what it holds}, as `StudyResult` does."""
-        content = {"format": "weavecell interval 1", **one_table.facts(self, self.kind)}
-        return {
-            "interval.json": content | {"runs": self._named},
-            "interval.csv": self.to_csv(),
-            "interval.svg": None,
-        }
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed."""
-        from weavecell.studies import interval
-
-        head = self.answer
-        if self.interval.quantity == interval.LIMIT:
-            head = f"critical velocity {head}"
-        lines = [f"{self.title}: {head}"]
-        for run in self.interval.runs:
-            doubt = ""
-            if run.doubtful:
-                doubt = f", {run.row['checks']}"
-            if "widened" in run.row:
-                doubt += f", {run.row['widened']}"
-            value = ""
-            if run.value:
-                value = f"{run.value:.1f} m/s, "
-            lines.append(f"{run.variation.name}: {value}{run.outcome}{doubt}")
-        if self.interval.places.why:
-            lines.append(f"one place: {self.interval.places.why}")
-        if effects := self.interval.effects:
-            moved = ", ".join(f"{name} {effect:.1f} m/s" for name, effect in effects.items())
-            lines.append(f"each alone moves the answer by: {moved}")
-        lines.append("an interval is the envelope of these runs, and no bound")
-        return lines

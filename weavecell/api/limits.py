@@ -7,6 +7,8 @@ The folder of `weavecell critical-velocity`
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots,
                              provenance
     shots.csv                one row a shot, by strike velocity
+    interval.csv             the runs of the answer over what nobody knows (`api.intervals`), where it
+                             was asked for; the first is the one whose shots the other files have
     residual-velocity.svg    residual against strike velocity
     report.html              all of it on one page
 """
@@ -18,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
@@ -32,7 +34,7 @@ from fabrics.base.errors import (
 )
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.api import keywords, one_run, quantities
+from weavecell.api import intervals, keywords, one_run, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
@@ -52,8 +54,10 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
+    from weavecell.report.page import Section
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.ballistic_limit import Limit, Shot
+    from weavecell.studies.interval import Interval, IntervalPlan
     from weavecell.studies.lambert_jonas import LambertJonas
     from weavecell.studies.limit_scan import ScanRange
     from weavecell.studies.pack_limit import PackV50
@@ -66,6 +70,7 @@ NO_LIMIT = "a panel whose yarns do not fail has no limit"
 NAMES = (
     "critical-velocity.json",
     "shots.csv",
+    intervals.TABLE,
     "residual-velocity.svg",
     *out_folder.INPUT,
     "report.html",
@@ -85,6 +90,8 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     only_mixed : whether it is scanned only where outcomes mix
     over : what is changed for the range over what is assumed; None without one
     assumed_range : as it was asked for; False where nothing is assumed
+    interval : IntervalPlan of the answer over what nobody knows, whose first run is the search at
+        `target`; None without one
     """
 
     files = NAMES
@@ -97,6 +104,7 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     only_mixed: bool
     over: Any
     assumed_range: bool | str
+    interval: IntervalPlan | None
 
     @property
     def pinned(self) -> Target:
@@ -131,12 +139,14 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
         size = StudySize.estimate(
             panel.setup, panel.title, fired, searches, tolerance=width, scene=panel.scene
         )
+        if self.interval is not None:
+            return replace(size, beside=intervals.forecast_beside(self.interval, panel))
         return size.with_choice(self.target.setup, fired, scene=panel.scene)
 
     def run(self, running: Running) -> CriticalVelocityResult:
-        """Search the limit, with the yarns that friction chooses, and the range over what is assumed."""
+        """Search the limit, with the yarns that friction chooses, and what else the answer rests on."""
         from weavecell.studies import assumed_range as ranges
-        from weavecell.studies import choice
+        from weavecell.studies import choice, sweep
 
         panel = self.pinned
         over = self.over
@@ -160,6 +170,12 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
             chosen=chosen,
         )
         running.save(result)
+        if self.interval is not None:
+            name = self.interval.first[0].name
+            logging.getLogger("weavecell").info(result.mark(f"{name}: {result.lines()[0]}"))
+            row = sweep.row_of_limit(study.limit, result.v50)
+            around = intervals.complete(self.interval, panel, row, **running.cache)
+            result = running.save(replace(result, interval=around))
         if over is None:
             return result
         say_before_range(result.mark(result.lines()[0]))
@@ -201,12 +217,12 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
         keep(running.ended, problem, self.target, running.folder)
 
 
-@command(LimitPlan, result="CriticalVelocityResult | IntervalResult")
+@command(LimitPlan)
 @explain_keywords(ResumableSearchKeywords, Keywords)
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
-    interval: bool = False,
+    interval: bool | Literal["open"] = False,
     tolerance: float | str | None = None,
     v50_shots: int | None = None,
     residual_shots: int | None = None,
@@ -244,9 +260,11 @@ def critical_velocity(
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
-    interval : the answer over what nobody knows, with resolved yarns: the places by the nose that are
+    interval : answer over what nobody knows, with resolved yarns: the places by the nose that are
         struck, and both ends of each friction that nobody gave, between yarns, on the nose and
-        between plies; or what decides. One to six searches, whose cost is told before
+        between plies; or what decides. One to six searches, whose cost is told before; shots, fit
+        and V50 are of the first. Without this option a command does so where place or a friction is
+        open and resolved yarns can answer; in Python "open" does
     tolerance : largest difference between highest stop and lowest perforation [m/s]; if not given 1
         m/s of one ply (with `interval` about 2 %), about 5 % of a pack
     v50_shots : shots 3 to 15 % above the bracket, of whose residual velocities V50 is made; if not
@@ -266,7 +284,8 @@ def critical_velocity(
 
     Returns
     -------
-    CriticalVelocityResult; with `interval` an IntervalResult, a row for each search
+    CriticalVelocityResult; with `interval` its first line is the answer over all searches, and its
+    `interval` has them (`Interval.to_dataframe`)
 
     Raises
     ------
@@ -301,19 +320,11 @@ def critical_velocity(
         strengths.require_failure(panel.setup, NO_LIMIT)
     if width is not None:
         _refuse_wide(width, tolerance, panel.setup)
-    if interval:
-        from weavecell.api.intervals import plan_answer
-
-        beside = {
-            "v50_shots": v50_shots,
-            "residual_shots": residual_shots,
-            "scan": scan,
-            # a command asks for the range "laws" by itself
-            "assumed_range": True if assumed_range is True else None,
-            **given,
-        }
-        # its result is another, as that of a check is
-        return cast(Any, plan_answer(panel, "critical-velocity", width, beside))
+    over_unknown = intervals.choose_interval(panel, "critical-velocity", interval, width)
+    if over_unknown is not None:
+        # one width for all searches, whose limits stand side by side
+        width = over_unknown.tolerance
+        panel = replace(panel, setup=over_unknown.shown)
     pack = panel.setup.plies > 1
     if v50_shots is None:
         v50_shots = pack_limit.SHOTS if pack and scan is not True else 0
@@ -335,7 +346,15 @@ def critical_velocity(
     if width is None and not pack:
         width = 1.0
     return LimitPlan(
-        panel, width, v50_shots, residual_shots, around, scan is None, over, assumed_range
+        panel,
+        width,
+        v50_shots,
+        residual_shots,
+        around,
+        scan is None,
+        over,
+        assumed_range,
+        over_unknown,
     )
 
 
@@ -375,6 +394,7 @@ class CriticalVelocityResult(StudyResult):
     limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
     assumed_range : AssumedRange of the critical velocity, or None
+    interval : Interval over what nobody knows, of whose first run the limit is, or None
     scan : ScanRange about the bracket that was scanned, or None
     wall_time : [s]
     chosen : whether yarns are pinned or resolved, and why; "" where the input says it
@@ -393,6 +413,7 @@ class CriticalVelocityResult(StudyResult):
     limit: Limit
     lambert_jonas: LambertJonas
     assumed_range: AssumedRange | None = None
+    interval: Interval | None = None
     scan: ScanRange | None = None
     wall_time: float = 0.0
     chosen: str = ""
@@ -416,6 +437,9 @@ class CriticalVelocityResult(StudyResult):
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `StudyResult`; and the scan, if there was none."""
         found = (*super().left_out, *self._of_one_run)
+        if self.interval is not None:
+            ranged = self.assumed_range is not None
+            found = intervals.leave_out(super().left_out, self.target, self.interval, ranged)
         if self.scan is not None or self.v50 is not None:
             return found
         way = option("scan")
@@ -485,7 +509,9 @@ class CriticalVelocityResult(StudyResult):
             value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
         if self.v50 is not None:
             value = self.v50.words()
-        if briefs := brief_words(self.left_out, self.chosen):
+        if self.interval is not None:
+            value = self.interval.words()
+        elif briefs := brief_words(self.left_out, self.chosen):
             value += f" ({briefs})"
         return "Critical velocity", value
 
@@ -495,7 +521,11 @@ class CriticalVelocityResult(StudyResult):
     @property
     def doubts(self) -> tuple[str, ...]:
         """As in `Result`; and if the limit rests on a doubtful shot."""
-        ends = () if self.bracket_checks == checks.OK else ("the limit rests on a doubtful shot",)
+        ends: tuple[str, ...] = ()
+        if self.bracket_checks != checks.OK:
+            ends = ("the limit rests on a doubtful shot",)
+        if self.interval is not None:
+            ends += self.interval.doubts
         return (*ends, *super().doubts)
 
     def _doubt(self):
@@ -507,7 +537,10 @@ class CriticalVelocityResult(StudyResult):
     def summary(self) -> dict[str, Any]:
         """Return the entries of critical-velocity.json (docs/reference.md), but of the shots their
         number and the worst checks of all in words, and what is assumed."""
-        return super().summary() | {"checks": self.checks_text}
+        known = super().summary() | {"checks": self.checks_text}
+        if self.interval is None:
+            return known
+        return {"answer": self.interval.words()} | known
 
     def _items(self):
         return self.shots
@@ -518,6 +551,14 @@ class CriticalVelocityResult(StudyResult):
             yarns = "pinned" if self.target.setup.crossovers is None else "resolved"
             columns["yarns"] = [yarns] * len(self.shots)
         return columns
+
+    def _own_chapters(self) -> list[Section]:
+        """The answer over what nobody knows, if there is one."""
+        if self.interval is None:
+            return []
+        from weavecell.report import chapters_interval
+
+        return [chapters_interval.describe(self.interval)]
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
@@ -530,14 +571,17 @@ class CriticalVelocityResult(StudyResult):
             **one_table.facts(self, self.kind),
             "shots": one_table.records(self.shots, self.kind),
         }
-        content |= checks.summary(self.checks)
+        content |= checks.summary(self.checks) | intervals.summarise(self.interval)
         if self.assumed_range is not None:
             content["assumed_range"] = self.assumed_range.summary()
-        return {
+        written = {
             "critical-velocity.json": content,
             "shots.csv": self.to_csv(),
             "residual-velocity.svg": None,
         }
+        if self.interval is not None:
+            written[intervals.TABLE] = one_table.csv(self.interval.to_dataframe())
+        return written
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
@@ -567,6 +611,10 @@ class CriticalVelocityResult(StudyResult):
             way = option("v50_shots", "8")
             scatter = "the bracket is no error: shots of a pack scatter by some 2 %"
             lines.append(f"{scatter}; {way} gives V50 with its interval")
+        if self.interval is not None:
+            lines[0] = f"shown here: {lines[0].removeprefix(f'{self.title}: ')}"
+            answer = f"{self.title}: critical velocity {self.interval.words()}"
+            lines = [answer, *self.interval.lines(), *lines]
         if self.chosen:
             lines.append(self.chosen)
         if limit.widened:
@@ -610,8 +658,11 @@ def plot_of(found: CriticalVelocityResult) -> Plot:
         alpha = 0.25
     label = f"{name}\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     layers.append(Layer(label, zone, look={"color": ORANGE, "alpha": alpha, "lw": 1}))
+    title = found.title
+    if found.interval is not None:
+        title += f", {found.interval.runs[0].name}"
     return Plot(
-        found.title,
+        title,
         x="strike_velocity_m_s",
         y="residual_velocity_m_s",
         layers=tuple(layers),

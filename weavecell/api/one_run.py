@@ -37,7 +37,8 @@ def find_unknown(target: Target, quantity: str) -> LeftOut | None:
         return None
     unknown = interval.find_unknown(places.resolve(setup))
     ranges = {
-        interval.FRICTIONS[name][0]: "{:g} to {:g}".format(*ends) for name, ends in unknown.items()
+        interval.FRICTIONS[name].words: "{:g} to {:g}".format(*ends)
+        for name, ends in unknown.items()
     }
     try:
         plan = plan_interval(target, quantity)

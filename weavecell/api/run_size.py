@@ -147,6 +147,7 @@ class RunSize(_Size):
     model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
     said : what is shot at, taken for granted and chosen, as the report has it
     of_bullet : lines on a pack that a bullet of metal strikes: CPU time of its flight, and its mesh
+    beside : size of the other runs of an answer over what nobody knows; None without one
 
     Examples
     --------
@@ -168,6 +169,7 @@ class RunSize(_Size):
     model: str = ""
     said: Wording = NOTHING
     of_bullet: tuple[str, ...] = ()
+    beside: StudySize | None = None
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -268,6 +270,7 @@ class RunSize(_Size):
             f"{1e9 * self.time_step:.3g} ns",
             f"memory {_in_megabytes(self.memory)}; {self.cost} if it goes on to its end time",
             *self.of_bullet,
+            *_say_beside(self.beside),
         ]
         if self.cpu_time[1] > LONG:
             lines.append(GROWTH)
@@ -276,6 +279,22 @@ class RunSize(_Size):
         if not in_terminal():
             lines += self.of_fabrics
         return [*lines, *self.said.lines]
+
+
+def _say_beside(size):
+    """Lines on the runs that follow the first one of an answer over what nobody knows."""
+    if size is None:
+        return []
+    shots = counted(size.shots, "shot")
+    line = f"answer over what nobody knows: about {shots} more; {size.cost}"
+    return [line, *_say_more(size.more)]
+
+
+def _say_more(size):
+    """The line on the runs that follow if the first ones do not agree, if there are any."""
+    if size is None:
+        return []
+    return [f"if these do not agree, about {counted(size.shots, 'shot')} more; {size.cost}"]
 
 
 def forecast_flight(setup: ImpactSetup) -> float:
@@ -353,7 +372,8 @@ class StudySize(_Size):
     resolved : size of the same with resolved yarns, which is added if friction may not hold
         pinned ones; None where nothing is to be chosen
     foreseen, said : of RunSize, of its shots
-    more : size of the runs that follow if the first ones do not agree; None if none do
+    more : size of the runs that follow if these do not agree; None if none do
+    beside : of RunSize
 
     Examples
     --------
@@ -371,6 +391,7 @@ class StudySize(_Size):
     foreseen: tuple[str, ...] = ()
     said: Wording = NOTHING
     more: StudySize | None = None
+    beside: StudySize | None = None
 
     @classmethod
     def estimate(
@@ -476,9 +497,7 @@ class StudySize(_Size):
             )
         if self.resolved is not None:
             lines.append(f"if friction may not hold pinned yarns, another {self.resolved.cost}")
-        if self.more is not None:
-            shots = counted(self.more.shots, "shot")
-            lines.append(f"if these do not agree, about {shots} more; {self.more.cost}")
+        lines += [*_say_more(self.more), *_say_beside(self.beside)]
         lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]

@@ -9,10 +9,13 @@ The folder of `weavecell impact`
     body.pvd        that of body/body-*.vtu: a projectile of metal, with its strains
     block.pvd       that of block/block-*.vtu: the face of the block behind the last ply
     pictures/       histories, cuts, energies (.svg), panel.png
+    interval.csv    the runs of the answer over what nobody knows (`api.intervals`), where it was asked
+                    for; the first is the one that all others show
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
                     it
-    window/         finished shots of `--uncertainty` at other velocities, as long
+    window/         finished shots of `--uncertainty` at other velocities, as long; range/ those of
+                    the range over what is assumed, interval/ those of interval.csv
 
 If the input file has a table [accuracy], finer and finer meshes are run
 (`studies.mesh_uncertainty`): summary.json and the report then name them, and say whether the target
@@ -33,7 +36,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 import numpy as np
 
-from fabrics.base import run_cache
+from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.door import option
@@ -41,7 +44,7 @@ from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.api import one_run
+from weavecell.api import intervals, one_run
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure, remember_folder, say_before_range
@@ -49,7 +52,7 @@ from weavecell.api.run_size import RunSize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.api.wording import Wording
 from weavecell.report import installed
-from weavecell.results import finding, keys, out_folder, progress, run_folder
+from weavecell.results import finding, keys, one_table, out_folder, progress, run_folder
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.results.left_out import (
@@ -71,6 +74,7 @@ if TYPE_CHECKING:
     from weavecell.results.result_folder import ResultFolder
     from weavecell.scenes.build import Case
     from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.interval import Interval, IntervalPlan
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
     from weavecell.studies.window import Window
 
@@ -82,6 +86,7 @@ NAMES = (
     *out_folder.INPUT,
     "histories.h5",
     "summary.json",
+    intervals.TABLE,
     *PANEL,
     "pictures/*",
     "report.html",
@@ -99,6 +104,8 @@ class ShotPlan(Plan["ShotResult"]):
     uncertainty : whether a finer mesh is run too
     over : what is changed for the range over what is assumed; None without one
     assumed_range : as it was asked for; False where nothing is repeated
+    interval : IntervalPlan of the answer over what nobody knows, whose first run is fired at `target`;
+        None without one
     written : whether files and pictures are made, which take memory
     """
 
@@ -110,6 +117,7 @@ class ShotPlan(Plan["ShotResult"]):
     uncertainty: bool
     over: ImpactSetup | None
     assumed_range: bool | str
+    interval: IntervalPlan | None
     written: bool
 
     @property
@@ -126,7 +134,13 @@ class ShotPlan(Plan["ShotResult"]):
 
     def key(self) -> str:
         """Return the digest of text, set-up, options and code."""
-        given = self.target.text, self.target.setup, self.assumed_range, self.uncertainty
+        given = (
+            self.target.text,
+            self.target.setup,
+            self.assumed_range,
+            self.uncertainty,
+            self.interval,
+        )
         return run_cache.key(given, "shellfabric.impact.run")
 
     def finished(self, folder: Path) -> ShotResult | None:
@@ -151,10 +165,13 @@ class ShotPlan(Plan["ShotResult"]):
             choices["mesh refined for"] = wanted
         if self.uncertainty:
             choices["meshes"] = "two, for the error of the first"
-        return replace(size, said=replace(size.said, choices=tuple(choices.items())))
+        size = replace(size, said=replace(size.said, choices=tuple(choices.items())))
+        if self.interval is None:
+            return size
+        return replace(size, beside=intervals.forecast_beside(self.interval, panel))
 
     def run(self, running: Running) -> ShotResult:
-        """Fire, repeat the shot over what is assumed, and write all of it."""
+        """Fire, run what else the answer rests on, and write all of it."""
         from weavecell.studies import assumed_range as ranges
 
         shooting = Shooting(self.target, running.folder, running.how.resume)
@@ -169,6 +186,8 @@ class ShotPlan(Plan["ShotResult"]):
             # which yarns are shot at was not known before
             assert result.target is not None
             over = ranges.with_ends(result.target.setup, self.assumed_range)
+        if self.interval is not None and running.failure is None:
+            result = _with_interval(result, self.interval, running.folder)
         if over is not None and running.failure is None:
             result = _with_range(result, over, running.folder)
         if running.folder is not None:
@@ -181,7 +200,7 @@ class ShotPlan(Plan["ShotResult"]):
             result.save(folder)
         for checkpoint in run_folder.list_checkpoints(folder):
             checkpoint.unlink()
-        for name in (WINDOW, RANGE):
+        for name in (WINDOW, RANGE, intervals.RUNS):
             run_cache.RunCache(folder / name).clear()
 
     def give_up(self, running: Running, problem: BaseException) -> None:
@@ -194,13 +213,13 @@ class ShotPlan(Plan["ShotResult"]):
         raise run_folder.Interrupted(message) from None
 
 
-@command(ShotPlan, result="ShotResult | IntervalResult")
+@command(ShotPlan)
 @explain_keywords(Keywords)
 def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
     *,
-    interval: bool = False,
+    interval: bool | Literal["open"] = False,
     assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
     check: bool = False,
@@ -221,9 +240,11 @@ def impact(
     ----------
     target : input file of a ply or pack; in Python also a fabric, or a set-up of `setup`
     velocity : of a fabric, [m/s] of the strike
-    interval : the answer over what nobody knows, with resolved yarns: the places by the nose that are
+    interval : answer over what nobody knows, with resolved yarns: the places by the nose that are
         struck, and both ends of each friction that nobody gave, between yarns, on the nose and
-        between plies; or what decides. One to six shots, whose cost is told before
+        between plies; or what decides. One to six shots, whose cost is told before; histories and
+        pictures are of the first. Without this option a command does so where place or a friction
+        is open and resolved yarns can answer; in Python "open" does
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
         set-up; without this option a command does so if a law or the crimp is assumed; in Python
         "laws" does. Refused of a pack and with [accuracy], which take too long for it
@@ -241,8 +262,8 @@ def impact(
     -------
     ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful`
     and warns with `DoubtfulResult`. Where the folder to `resume` from holds the results of this very
-    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`). With `interval` an
-    IntervalResult, a row for each shot
+    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`). With `interval` its
+    first line is the answer over all shots, and its `interval` has them (`Interval.to_dataframe`)
 
     Raises
     ------
@@ -277,16 +298,10 @@ def impact(
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
-    if interval:
-        from weavecell.api.intervals import plan_answer
-
-        # a command asks for the range "laws" by itself
-        beside = {
-            "assumed_range": True if assumed_range is True else None,
-            "uncertainty": uncertainty or None,
-        }
-        # its result is another, as that of a check is
-        return cast(Any, plan_answer(panel, "shot", None, beside))
+    refused = {"accuracy": accuracy, "uncertainty": uncertainty or None}
+    over_unknown = intervals.choose_interval(panel, "shot", interval, refused=refused)
+    if over_unknown is not None:
+        panel = replace(panel, setup=over_unknown.shown)
     over = ranges.with_ends(panel.setup, assumed_range)
     # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
     if panel.setup.plies > 1 or accuracy:
@@ -301,7 +316,9 @@ def impact(
             # what resolved yarns do not have is refused first
             choice.with_resolved(panel.setup).target()
         over = None
-    return ShotPlan(panel, accuracy, uncertainty, over, assumed_range, out is not None)
+    return ShotPlan(
+        panel, accuracy, uncertainty, over, assumed_range, over_unknown, out is not None
+    )
 
 
 @dataclass(frozen=True)
@@ -443,34 +460,57 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
     )
 
 
-def _with_range(shot, with_ends, folder):
-    """The ShotResult with its range over what is assumed. The shot itself is printed and its
-    numbers are written first, since the range takes many more shots.
+def _with_interval(shot, plan, folder):
+    """The ShotResult, the first run of an IntervalPlan, with the answer over all its runs."""
+    from weavecell.report.shot import chapters_shot
+    from weavecell.studies import sweep
 
-    Raises
-    ------
-    run_folder.Interrupted : the user ended the range of a shot with a folder; without one the shot
-        is returned as it is
-    """
+    line = f"{shot.title}, {plan.first[0].name}: {shot.outcome}, {chapters_shot.residual(shot)}"
+    logging.getLogger("weavecell").info(shot.mark(line))
+
+    def compute():
+        with keep_runs(folder, True, intervals.RUNS) as runs:
+            return intervals.complete(plan, shot.target, sweep.row_of(shot), folder=runs)
+
+    found = _compute_beside(shot, folder, "the other runs of its answer", compute)
+    return replace(shot, interval=found)
+
+
+def _with_range(shot, with_ends, folder):
+    """The ShotResult with its range over what is assumed."""
     from weavecell.studies import assumed_range
 
     say_before_range(shot.headline())
-    runs = None
-    if folder is not None:
-        shot.save_numbers(folder)
-        runs = folder / RANGE
-    try:
-        with interrupts(), progress.bar("Range over the assumed laws") as advance:
-            around = assumed_range.residual_velocity(
+    runs = folder and folder / RANGE
+
+    def compute():
+        with progress.bar("Range over the assumed laws") as advance:
+            return assumed_range.residual_velocity(
                 with_ends, shot.outcome, shot.residual_velocity, advance, runs
             )
+
+    return replace(shot, assumed_range=_compute_beside(shot, folder, "its range", compute))
+
+
+def _compute_beside(shot, folder, about, compute):
+    """What takes many more runs than the shot beside which it stands: compute(), or None if the user
+    ends it and nothing is written. The numbers of the shot are written first.
+
+    Raises
+    ------
+    run_folder.Interrupted : the user ended it, of a shot with a folder
+    """
+    if folder is not None:
+        shot.save_numbers(folder)
+    try:
+        with interrupts():
+            return compute()
     except KeyboardInterrupt:
         if folder is None:
-            return shot
-        going_on = f"{option('resume')} goes on with its range"
+            return None
+        going_on = f"{option('resume')} goes on with {about}"
         message = f"interrupted; the numbers of the shot are in {folder}, {going_on}"
         raise run_folder.Interrupted(message) from None
-    return replace(shot, assumed_range=around)
 
 
 # what completion offers of a shot
@@ -481,7 +521,8 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "left_out", "wall_time"),
+    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "interval", "left_out"),
+    "wall_time",
 )
 
 
@@ -497,6 +538,7 @@ class ShotResult(ImpactRecord, Result):
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
     assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
+    interval : Interval over what nobody knows, whose first run is this shot, or None
     target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
     read_from : folder from which it was read; None of a shot that was fired now
@@ -517,6 +559,7 @@ class ShotResult(ImpactRecord, Result):
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
     assumed_range: AssumedRange | None = None
+    interval: Interval | None = None
     target: Target | None = None
     pair: Discretisation | None = None
     read_from: Path | None = None
@@ -528,16 +571,29 @@ class ShotResult(ImpactRecord, Result):
         """Read the result of a finished run at a target from its opened folder.
 
         It has scalars, histories, cuts and the shapes at the end; the shapes of the other instants
-        are in panel.pvd, and range, meshes and window of its options in summary.json.
+        are in panel.pvd, and range, meshes and window of its options in summary.json. It has the answer
+        over what nobody knows, and the target is that of the run that was shown.
 
         Raises
         ------
         InputError : no histories.h5 of an impact
         """
+        from weavecell.results.result_folder import SUMMARY
+
         read = cast(ShotResult, found.read_impact(cls))
+        content = {}
+        if found.has(SUMMARY):
+            content = found.read_json(SUMMARY)
+        around = None
+        if "interval" in content:
+            from weavecell.studies.interval import Interval
+
+            around = Interval.read(content["interval"])
+            target = replace(target, setup=around.strike_as_shown(target.setup))
         target = target.as_run(read.widened)
         result = replace(
             read,
+            interval=around,
             fabric=target.setup.fabric,
             assumed=list_assumptions(target.setup),
             target=target,
@@ -575,7 +631,24 @@ class ShotResult(ImpactRecord, Result):
             return ()
         compared = self.pair is not None
         found = find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
-        return (*found, *self._of_one_run)
+        if self.interval is None:
+            return (*found, *self._of_one_run)
+        ranged = self.assumed_range is not None
+        return intervals.leave_out(found, self.target, self.interval, ranged)
+
+    @property
+    def answer(self) -> str:
+        """The answer over what nobody knows in one line; without an interval the outcome."""
+        if self.interval is None:
+            return self.outcome
+        return self.interval.words()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """As of `Result`, and how many runs of the interval are doubtful."""
+        if self.interval is None:
+            return super().doubts
+        return (*super().doubts, *self.interval.doubts)
 
     @cached_property
     def _of_one_run(self):
@@ -589,13 +662,19 @@ class ShotResult(ImpactRecord, Result):
 
     def __dir__(self) -> list[str]:
         """The names that a user needs, for completion; the others of the record are there too."""
-        of_block = {"back_face_signature_mm"} if self.backing is None else set()
-        return [name for name in OFFERED if name not in of_block]
+        absent = set()
+        if self.backing is None:
+            absent.add("back_face_signature_mm")
+        if self.interval is None:
+            absent.add("interval")
+        return [name for name in OFFERED if name not in absent]
 
     def summary(self) -> dict[str, Any]:
         """Return the entries of summary.json (docs/reference.md), the checks in words, the areal
         density of the first ply, and what is assumed."""
         known = self.facts() | {"checks": self.checks_text}
+        if self.interval is not None:
+            known = {"answer": self.answer} | known
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
         return known | self._say_in_words() | self._what_is_assumed()
@@ -620,7 +699,7 @@ class ShotResult(ImpactRecord, Result):
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 
     def _what(self):
-        return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.outcome}"
+        return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.answer}"
 
     def _columns(self):
         histories = self.histories
@@ -753,6 +832,9 @@ class ShotResult(ImpactRecord, Result):
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
         content |= summarise(self.left_out) | self._what_is_doubtful()
+        content |= intervals.summarise(self.interval)
+        if self.interval is not None:
+            files.write(out / intervals.TABLE, one_table.csv(self.interval.to_dataframe()))
         if self.chosen:
             content["chosen"] = self.chosen
         content |= (
@@ -767,19 +849,22 @@ class ShotResult(ImpactRecord, Result):
 
     def _sections(self, setup):
         """The chapters that have pictures or follow from options; `setup` is what was run."""
-        from weavecell.report import chapters, chapters_discretisation
+        from weavecell.report import chapters, chapters_discretisation, chapters_interval
         from weavecell.report.shot import chapters_shot, moving, view
 
         case = self.case
         scene = self.case.scene
         used = setup.meshed
-        sections = [
+        sections = []
+        if self.interval is not None:
+            sections.append(chapters_interval.describe(self.interval))
+        sections += [
             moving.section(self, moving.collect_instants(self, self.instants)),
             chapters_shot.chapter(self, view.still(self)),
             chapters_shot.mesh(self, used),
         ]
         if used.crossovers is None:
-            sections.insert(2, chapters_shot.critical(self, used))
+            sections.insert(-1, chapters_shot.critical(self, used))
         if self.pair is not None:
             sections.append(chapters_discretisation.section(self.pair))
         if self.assumed_range is not None:
@@ -812,20 +897,29 @@ class ShotResult(ImpactRecord, Result):
 
     def _write_report(self, out, setup, sections, stamp):
         """Write the report with the chapters of `_sections`; `setup` is what was run."""
-        from weavecell.report import chapters, checks
+        from weavecell.report import chapters, chapters_interval, checks
         from weavecell.report.shot import chapters_shot
 
+        card = chapters_shot.card(self)
+        found = chapters_shot.find(self)
+        words = chapters_shot.outcome(self)
+        if self.interval is not None:
+            shown = self.interval.runs[0]
+            lines = (f"{shown.name}: {shown.outcome}", *card.lines)
+            card = replace(card, headline=self.answer, lines=lines)
+            found = chapters_interval.find(found.label, self.interval, self.doubts)
+            words = chapters_interval.write_sentence(self.interval, words)
         chapters.write(
             out,
             self.title,
             chapters.describe_shot(setup, self.case.scene, velocity=True),
             setup.fabrics,
-            (chapters_shot.card(self), *chapters.law_cards(self.case)),
+            (card, *chapters.law_cards(self.case)),
             (*sections, checks.section(self.checks)),
             stamp,
             {"time integration": self.wall_time},
-            chapters_shot.find(self),
-            chapters_shot.outcome(self),
+            found,
+            words,
             (chapters_shot.settings(setup.meshed),),
         )
 
@@ -836,6 +930,8 @@ class ShotResult(ImpactRecord, Result):
     def _headline(self):
         from weavecell.report.shot import chapters_shot
 
+        if self.interval is not None:
+            return f"{self.title}: {self.answer}"
         parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
         if self.target is not None:
             parts.append(name_friction(self.target.setup, self.assumed_range))
@@ -851,6 +947,8 @@ class ShotResult(ImpactRecord, Result):
         lines = [self._headline()]
         if self.read_from is not None:
             lines.append(f"read from {self.read_from}")
+        if self.interval is not None:
+            lines += self.interval.lines()
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
             if self.which_fabric:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
+    from weavecell.report.page import Section
 
 # the first card of the report holds so many lines
 CARD_LINES = 2
@@ -124,6 +125,10 @@ class StudyResult(DrawnResult):
             if installed.can_draw():
                 self._write_report(out, stamp)
 
+    def _own_chapters(self) -> list[Section]:
+        """Chapters of the page that other studies have not."""
+        return []
+
     def _write_report(self, out, stamp):
         """Write the report: what was found with its picture and table, what is assumed, and
         sources."""
@@ -141,6 +146,7 @@ class StudyResult(DrawnResult):
         sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
         outcome = f"{label} {value}"
         shown = [line for line in lines if value not in line][:CARD_LINES]
+        sections += self._own_chapters()
         around = getattr(self, "assumed_range", None)
         if around is not None:
             sections.append(chapters_shot.describe_assumed_range(around))

@@ -706,10 +706,7 @@ class SweepTable(StudyResult):
         """Return {file: what it holds}, as `StudyResult` does."""
         content: dict[str, Any] = {"quantity": self.quantity, "rows": self.rows}
         if self.intervals:
-            content["runs"] = [
-                [run.variation.columns(self.quantity) | dict(run.row) for run in found.runs]
-                for found in self.intervals
-            ]
+            content["runs"] = [[dict(run.row) for run in found.runs] for found in self.intervals]
         return {
             "sweep.json": content,
             "sweep.csv": self.to_csv(),

@@ -2,9 +2,10 @@
 
 Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their
 default; the help is the text of the docstring, that of an option what the section Parameters says.
-What is returned is printed; a doubtful result is exit code 3 where --strict is given. Two defaults
-differ: a command uses all cores, and computes the range over what is assumed, if a law or the crimp
-is. A command of a group, such as `fabrics list`, has no folder of its own by default.
+What is returned is printed; a doubtful result is exit code 3 where --strict is given. Three defaults
+differ: a command uses all cores, answers over the place and the frictions that nobody gave, and
+computes the range over what is assumed, if a law or the crimp is. A command of a group, such as
+`fabrics list`, has no folder of its own by default.
 """
 
 from __future__ import annotations
@@ -29,9 +30,8 @@ from weavecell.results import glossary
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
-LEFT_OUT = {
-    "assumed_range": "laws"
-}  # what a function gets where neither the option nor --no-... is given
+# what a function that takes it gets where neither the option nor --no-... is given
+LEFT_OUT = {"assumed_range": "laws", "interval": "open"}
 ARGUMENTS = ("target", "other", "tests", "fabric", "name", "file", "record")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 # options with another name than their parameter
@@ -97,7 +97,8 @@ def command(
             print(format_for_terminal(result))
         elif getattr(result, "read_from", None) is not None:
             done = f"done before with the same input and code, in {result.read_from}"
-            print(result.mark(f"{result.title}: {result.outcome}; {done}"))
+            answer = getattr(result, "answer", result.outcome)
+            print(result.mark(f"{result.title}: {answer}; {done}"))
         elif result is not None:
             print(result)
         if isinstance(result, Result) and has_checks:
@@ -141,9 +142,6 @@ def _folder(name, parameters, values):
             stems.append(Path(values[parameter.name]).stem)
     if name not in OF_ONE_RUN:
         stems = [*name.split(), *stems]
-    # beside the folder of the one answer
-    if values.get("interval"):
-        stems.append("interval")
     return RESULTS / "-".join(stems)
 
 
@@ -212,7 +210,8 @@ def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
     name = parameter.name
     default = DEFAULTS.get(name, parameter.default)
-    if name in LEFT_OUT and default is False:
+    chosen = name in LEFT_OUT and repr(LEFT_OUT[name]) in parameter.annotation.replace('"', "'")
+    if chosen and default is False:
         default = None
     kind = _kind(parameter.annotation)
     choices = re.search(r"Literal\[(.*?)\]", parameter.annotation)
@@ -239,7 +238,7 @@ def _parameter(parameter, meaning):
     if default is parameter.empty and not required:
         default = None
     words = [_option(name)]
-    if default is True or name in LEFT_OUT or parameter.annotation == "bool | None":
+    if default is True or chosen or parameter.annotation == "bool | None":
         words = [f"{words[0]}/--no-{words[0][2:]}"]
     if name in SHORT:
         words.append(SHORT[name])

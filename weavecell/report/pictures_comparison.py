@@ -67,7 +67,7 @@ def draw_pairs(pyplot: Any, difference: IntervalDifference) -> Any:
     axes.axvline(0, color=INK, lw=1)
     names = []
     for pair in pairs:
-        of_a, of_b = pair.a.variation.name, pair.b.variation.name
+        of_a, of_b = pair.a.name, pair.b.name
         alike = of_a == of_b
         names.append(of_a if alike else f"A: {of_a}\nB: {of_b}")
     axes.set_yticks(range(len(pairs)), names)

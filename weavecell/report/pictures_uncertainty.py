@@ -213,7 +213,7 @@ def draw_interval(pyplot: Any, interval: Interval, label: str) -> Any:
             axes.plot([run.value], [row], "o", ms=7, **look)
     if interval.low is not None and interval.high is not None:
         axes.axvspan(interval.low, interval.high, color=FAINT, alpha=0.25, lw=0)
-    axes.set_yticks(range(len(runs)), [run.variation.name for run in runs])
+    axes.set_yticks(range(len(runs)), [run.name for run in runs])
     axes.set_ylim(len(runs) - 0.5, -0.5)
     axes.set(xlabel=label)
     return figure

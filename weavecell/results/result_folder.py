@@ -59,7 +59,6 @@ KINDS = {
     "critical-velocity.json": Kind("critical_velocity", "shots.csv"),
     "v50.json": Kind("v50", "shots.csv"),
     "sweep.json": Kind("sweep", "sweep.csv"),
-    "interval.json": Kind("interval", "interval.csv"),
     "tests.json": Kind("tests", "shots.csv"),
     "compression.json": Kind("compression", "packs.csv"),
     "shot.json": Kind("shot", "motion.csv"),
@@ -72,6 +71,8 @@ KINDS = {
     "mesh.json": Kind("mesh", ""),
     SUMMARY: Kind("coupon", "coupon.csv"),
 }
+# {table that several kinds of result may have: table of keys.toml that says what it has}
+BESIDE = {"interval.csv": "interval"}
 WITHOUT_LIST = f"has no {file_list.NAME}: whether its files were changed cannot be told"
 
 
@@ -157,9 +158,9 @@ class ResultFolder:
         InputError : one that cannot be read
         """
         name = self.find_kind()
-        of_kind = {}
+        of_kind = dict(BESIDE)
         if name is not None:
-            of_kind = {KINDS[name].csv: KINDS[name].table}
+            of_kind[KINDS[name].csv] = KINDS[name].table
         tables = {}
         for path in sorted(self.folder.glob("*.csv")):
             tables[path.name] = self.read_table(path.name, of_kind.get(path.name, ""))

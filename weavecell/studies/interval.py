@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fabrics import data_sheet
 from fabrics.base import run_cache
@@ -20,22 +20,42 @@ from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import inputs
 from weavecell.studies.assumed_range import is_given, set_value
-from weavecell.studies.places import Place, Places, strike_at
+from weavecell.studies.places import NAMED, Place, Places, resolve, strike_at
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 SHOT = "shot"
 LIMIT = "critical-velocity"
 PLACE = "the place"
 DEPENDS = "depends"  # outcome of shots that differ
-# {what is assumed: (in words, what tells it)}
+
+
+class Friction(NamedTuple):
+    """A friction that is varied where nobody gave it: in words, what tells it, and its column."""
+
+    words: str
+    advice: str
+    column: str
+
+
+# {what is assumed: Friction}
 FRICTIONS = {
-    inputs.FRICTION_OF_CROSSOVERS: (
+    inputs.FRICTION_OF_CROSSOVERS: Friction(
         "friction between yarns",
         "measure friction between yarns by a pull-out",
+        "friction_between_yarns",
     ),
-    data_sheet.FRICTION_OF_PROJECTILE: ("friction on the nose", "give `projectile.friction`"),
-    data_sheet.FRICTION_BETWEEN_PLIES: ("friction between plies", "give `panel.ply_friction`"),
+    data_sheet.FRICTION_OF_PROJECTILE: Friction(
+        "friction on the nose", "give `projectile.friction`", "friction_on_nose"
+    ),
+    data_sheet.FRICTION_BETWEEN_PLIES: Friction(
+        "friction between plies", "give `panel.ply_friction`", "friction_between_plies"
+    ),
 }
-ADVICE = {PLACE: "`v50` gives the share"} | dict(FRICTIONS.values())
+ADVICE = {PLACE: "`v50` gives the share"} | {one.words: one.advice for one in FRICTIONS.values()}
+# columns of texts that some runs have not
+TEXTS = ("checks", "widened")
 # [-] of the strike velocity, or of the highest limit: runs that differ by less agree
 AGREE = 0.1
 # [-] of the interval: what moves the answer by so much decides it
@@ -64,7 +84,7 @@ class Variation:
     @property
     def name(self) -> str:
         """Place and frictions in words."""
-        return ", ".join((self.place.name, *_say_frictions(self.frictions)))
+        return _say_run(self.place, self.frictions)
 
     def columns(self, quantity: str) -> dict[str, Any]:
         """Return what is run for SHOT or LIMIT, as columns of the table of an Interval."""
@@ -83,9 +103,10 @@ class Variation:
         return found
 
 
-def _say_frictions(values):
-    """The frictions of a run, {what is assumed: value}, in words."""
-    return [f"{FRICTIONS[name][0]} {value:g}" for name, value in values.items()]
+def _say_run(place, frictions):
+    """Where a run strikes and its frictions, {what is assumed: value}, in words."""
+    values = [f"{FRICTIONS[name].words} {value:g}" for name, value in frictions.items()]
+    return ", ".join((place.name, *values))
 
 
 def find_unknown(setup: ImpactSetup) -> dict[str, tuple[float, float]]:
@@ -168,6 +189,11 @@ class IntervalPlan:
     unknown: Mapping[str, tuple[float, float]]
     first: tuple[Variation, ...]
 
+    @property
+    def shown(self) -> ImpactSetup:
+        """The set-up of the run whose shots are shown: the first."""
+        return self.first[0].setup
+
     def plan_more(self, place: Place) -> list[Variation]:
         """Plan the runs that follow if the first do not agree, at the place that stopped least."""
         return plan_more(self.setup, place, self.unknown, self.first)
@@ -183,12 +209,36 @@ class Run:
 
     Parameters
     ----------
-    variation : Variation
-    row : {name of a result: value}, of `sweep.row`
+    place : that was struck
+    frictions : {what is assumed: value} of what was varied
+    row : {column: value}: `Variation.columns`, and those of `sweep.row`
     """
 
-    variation: Variation
+    place: Place
+    frictions: Mapping[str, float]
     row: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, variation: Variation, quantity: str, row: Mapping[str, Any]) -> Run:
+        """Return the run of a Variation for SHOT or LIMIT that came to a row of `sweep.row`."""
+        columns = variation.columns(quantity) | dict(row)
+        return cls(variation.place, variation.frictions, columns)
+
+    @property
+    def name(self) -> str:
+        """Place and frictions in words."""
+        return _say_run(self.place, self.frictions)
+
+    def words(self) -> str:
+        """Write place, frictions and what came of it in one line."""
+        value = ""
+        if self.value:
+            value = f"{self.value:.1f} m/s, "
+        notes = []
+        if self.doubtful:
+            notes.append(self.row["checks"])
+        notes.append(self.row.get("widened", ""))
+        return "; ".join(filter(None, (f"{self.name}: {value}{self.outcome}", *notes)))
 
     @property
     def outcome(self) -> str:
@@ -226,7 +276,14 @@ class Interval:
     quantity : SHOT or LIMIT
     places : Places
     unknown : {what is assumed: (low, high)} of the frictions that were varied
-    runs : tuple of Run
+    runs : tuple of Run, that whose shots are shown first
+
+    Examples
+    --------
+    >>> shot = {"opening": "30 mm", "end_time": "8 us", "crossovers": "yarns", "zone": "9 mm"}
+    >>> found = wc.impact("S-720", "150 m/s", interval=True, crossover_friction=0.2, **shot)
+    >>> found.interval.outcome, len(found.interval.to_dataframe())
+    ('in flight', 2)
     """
 
     quantity: str
@@ -271,14 +328,13 @@ class Interval:
             return False
         scale = self.high
         if self.quantity == SHOT:
-            scale = self.runs[0].variation.setup.strike_velocity
+            scale = self.runs[0].row["strike_velocity_m_s"]
         return len(self.outcomes) < 2 and self.high - self.low <= AGREE * scale
 
     def values_with(self, frictions: Mapping[str, float]) -> dict[Place, float]:
         """Return {place: [m/s]} of the runs with some frictions that have a value, the lowest
         first."""
-        of = [(run.variation, value) for value, run in self.known]
-        return {one.place: value for one, value in of if one.frictions == frictions}
+        return {run.place: value for value, run in self.known if run.frictions == frictions}
 
     @property
     def lowest(self) -> dict[str, float]:
@@ -305,7 +361,7 @@ class Interval:
             raised = self.values_with(self.lowest | {name: high})
             if self.weakest in raised and self.weakest in by_place:
                 moved = raised[self.weakest] - by_place[self.weakest]
-                found[FRICTIONS[name][0]] = abs(moved)
+                found[FRICTIONS[name].words] = abs(moved)
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     @property
@@ -326,12 +382,66 @@ class Interval:
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """{friction in words: (low, high)} of those that were varied."""
-        return {FRICTIONS[name][0]: ends for name, ends in self.unknown.items()}
+        return {FRICTIONS[name].words: ends for name, ends in self.unknown.items()}
 
     @property
     def varied(self) -> str:
         """The frictions that were varied, in words; "" if all were given."""
         return ", ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in self.ranges.items())
+
+    @classmethod
+    def read(cls, content: Mapping[str, Any]) -> Interval:
+        """Return the interval of an entry of a JSON file: what keys.toml says of [interval], and the
+        runs as they stand in the table."""
+        unknown = {
+            name: tuple(content["unknown"][one.words])
+            for name, one in FRICTIONS.items()
+            if one.words in content["unknown"]
+        }
+        runs = []
+        for row in content["runs"]:
+            frictions = {name: row[FRICTIONS[name].column] for name in unknown}
+            runs.append(Run(NAMED[row["place"]], frictions, row))
+        listed = tuple(dict.fromkeys(run.place for run in runs))
+        places = Places(listed, content.get("one_place", ""))
+        return cls(content["quantity"], places, unknown, tuple(runs))
+
+    def strike_as_shown(self, setup: ImpactSetup) -> ImpactSetup:
+        """Return a set-up at the place and with the frictions of the run whose shots are shown."""
+        shown = self.runs[0]
+        return vary(resolve(setup), shown.place, shown.frictions).setup
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """How many runs are doubtful, in words."""
+        if not self.doubtful:
+            return ()
+        return (f"{self.doubtful} of {counted(len(self.runs), 'run')}",)
+
+    def lines(self) -> list[str]:
+        """Write the lines that stand below the answer: each run, and what moves it."""
+        lines = [run.words() for run in self.runs]
+        lines[0] += "; shown here"
+        if self.places.why:
+            lines.append(f"one place: {self.places.why}")
+        if effects := self.effects:
+            moved = ", ".join(f"{name} {effect:.1f} m/s" for name, effect in effects.items())
+            lines.append(f"each alone moves the answer by: {moved}")
+        lines.append("an interval is the envelope of these runs, and no bound")
+        return lines
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """The runs as rows of one table, {column: value}; None of a number that a run has not."""
+        names = dict.fromkeys(name for run in self.runs for name in run.row)
+        of_none = {name: "" if name in TEXTS else None for name in names}
+        return [of_none | dict(run.row) for run in self.runs]
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the runs as a pandas.DataFrame; names of the columns end in their SI unit."""
+        from pandas import DataFrame
+
+        return DataFrame(self.rows)
 
     def words(self) -> str:
         """Write the answer in one line: what all runs agree on, or what decides."""
@@ -360,7 +470,7 @@ class Interval:
             return f"{self.outcome} {self.places.words}, {span} left"
         runs_at = {}
         for place in self.places.listed:
-            runs_at[place] = [run for run in self.runs if run.variation.place == place]
+            runs_at[place] = [run for run in self.runs if run.place == place]
         mixed = [place for place, runs in runs_at.items() if len({run.outcome for run in runs}) > 1]
         if self.decides == (PLACE,) and not mixed:
             return ", ".join(_say_place(place, runs) for place, runs in runs_at.items())
@@ -415,7 +525,10 @@ def run_all(
 
     arguments = [plan.arguments(run) for plan, own in zip(plans, wanted) for run in own]
     rows = iter(run_cache.results(sweep.row, arguments, **runs))
-    return [tuple(Run(run, next(rows)) for run in own) for own in wanted]
+    return [
+        tuple(Run.of(run, plan.quantity, next(rows)) for run in own)
+        for plan, own in zip(plans, wanted)
+    ]
 
 
 def begin(plans: Sequence[IntervalPlan], **runs: Any) -> list[Interval]:

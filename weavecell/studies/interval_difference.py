@@ -203,14 +203,14 @@ class IntervalDifference:
         """The runs that are compared."""
         found = []
         for a, b in product(*self.runs):
-            of_both = a.variation.place, b.variation.place
+            of_both = a.place, b.place
             if of_both in self.plan.places and self._shared(a) == self._shared(b):
                 found.append(Pair(a, b))
         return tuple(found)
 
     def _shared(self, run):
         """The shared frictions of a run."""
-        frictions = run.variation.frictions
+        frictions = run.frictions
         return {name: frictions[name] for name in self.plan.shared}
 
     def span(self, scales: Sequence[float] | None = None) -> tuple[float, float] | None:
@@ -248,10 +248,10 @@ class IntervalDifference:
         """{(place at A, place at B): [m/s]} of the pairs with these frictions that have a value."""
         found = {}
         for pair in self.pairs:
-            held = pair.a.variation.frictions, pair.b.variation.frictions
+            held = pair.a.frictions, pair.b.frictions
             difference = pair.subtract()
             if held == (a, b) and difference is not None:
-                found[pair.a.variation.place, pair.b.variation.place] = difference[0]
+                found[pair.a.place, pair.b.place] = difference[0]
         return found
 
     @property
@@ -269,7 +269,7 @@ class IntervalDifference:
                 run.value
                 for runs, place, low in zip(self.runs, (a, b), self._low)
                 for run in runs
-                if (run.variation.place, run.variation.frictions) == (place, low)
+                if (run.place, run.frictions) == (place, low)
             ]
             known = [value for value in values if value is not None]
             if len(known) == len(values):
@@ -299,12 +299,12 @@ class IntervalDifference:
         """(a friction in words, frictions of A and B where it alone is at its high end)."""
         low = self._low
         for name, (_, high) in self.plan.shared.items():
-            yield FRICTIONS[name][0], [of_side | {name: high} for of_side in low]
+            yield FRICTIONS[name].words, [of_side | {name: high} for of_side in low]
         for number, side in enumerate(SIDES):
             for name, (_, high) in self.plan.own[number].items():
                 raised = list(low)
                 raised[number] = low[number] | {name: high}
-                yield f"{FRICTIONS[name][0]} of {side}", raised
+                yield f"{FRICTIONS[name].words} of {side}", raised
 
     @property
     def decides(self) -> tuple[str, ...]:
@@ -325,9 +325,9 @@ class IntervalDifference:
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """{friction in words, of a side where it is its own: (low, high)}."""
-        found = {FRICTIONS[name][0]: ends for name, ends in self.plan.shared.items()}
+        found = {FRICTIONS[name].words: ends for name, ends in self.plan.shared.items()}
         for side, own in zip(SIDES, self.plan.own):
-            found |= {f"{FRICTIONS[name][0]} of {side}": ends for name, ends in own.items()}
+            found |= {f"{FRICTIONS[name].words} of {side}": ends for name, ends in own.items()}
         return found
 
     @property
@@ -362,11 +362,11 @@ class IntervalDifference:
         """Write which frictions both sides share, and which are a side's own."""
         lines = []
         if self.plan.shared:
-            names = ", ".join(FRICTIONS[name][0] for name in self.plan.shared)
+            names = ", ".join(FRICTIONS[name].words for name in self.plan.shared)
             lines.append(f"the same for both, whatever it is: {names}")
         for side, own in zip(SIDES, self.plan.own):
             if own:
-                names = ", ".join(FRICTIONS[name][0] for name in own)
+                names = ", ".join(FRICTIONS[name].words for name in own)
                 lines.append(f"unknown of {side} alone, or in a range of its own: {names}")
         return lines
 
@@ -380,10 +380,8 @@ def _row(pair):
     """The row of a pair."""
     row: dict[str, Any] = {}
     for side, run in zip("ab", (pair.a, pair.b)):
-        row[f"place_{side}"] = run.variation.place.name
-        setup = run.variation.setup
-        row[f"friction_between_yarns_{side}"] = float(setup.crossovers.friction)
-        row[f"friction_on_nose_{side}"] = float(setup.projectile.friction)
+        for column in ("place", "friction_between_yarns", "friction_on_nose"):
+            row[f"{column}_{side}"] = run.row[column]
         row[f"{side}_m_s"] = run.value
     value, low, high = pair.subtract() or (None, None, None)
     row |= {"difference_m_s": value, "low_m_s": low, "high_m_s": high}

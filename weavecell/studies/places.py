@@ -47,6 +47,8 @@ GAP = Place("in a gap", (0.5, 0.5))
 ON_WARP = Place("on a warp yarn", (0.5, 0.0))
 ON_WEFT = Place("on a weft yarn", (0.0, 0.5))
 GIVEN = Place("at the given point", None)
+# {name: Place}
+NAMED = {place.name: place for place in (CROSSOVER, GAP, ON_WARP, ON_WEFT, GIVEN)}
 
 
 @dataclass(frozen=True)

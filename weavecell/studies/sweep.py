@@ -6,15 +6,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
-from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane import quality
 from shellfabric.membrane.indicator import OK, status
 from weavecell.studies import inputs, pack_limit, v50
 from weavecell.studies import limit as limits
+from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.limit_scan import ScanRange
+from weavecell.studies.pack_limit import PackV50
 
 MIXED = "mixed outcomes"
 INTERVAL = f"{100 * pack_limit.CONFIDENCE:g} % interval"
@@ -81,10 +84,15 @@ def shot(setup: ImpactSetup) -> dict[str, Any]:
     return row_of(*run_impact_or_partial(setup))
 
 
-def row_of(result: ImpactResult, problem: str = "") -> dict[str, Any]:
-    """Return outcome, velocity, energy, deflection, tensions and checks of a result, and why it
-    became unstable or ""."""
-    warp, weft = result.peak_tension
+def row_of(result: Any, problem: str = "") -> dict[str, Any]:
+    """Return outcome, velocity, energy, deflection, tensions and checks of a shot.
+
+    Parameters
+    ----------
+    result : ImpactResult, or an ImpactRecord, which has the tensions of each ply
+    problem : why it became unstable, or ""
+    """
+    warp, weft = np.reshape(result.peak_tension, (-1, 2)).max(axis=0)
     return {
         "outcome": "unstable" if problem else result.outcome,
         "residual_velocity_m_s": float(result.residual_velocity),
@@ -122,7 +130,16 @@ def critical_velocity(setup: ImpactSetup, tolerance: float | None = None) -> dic
 def _v50_of_pack(setup, tolerance):
     """Row of the V50 of a pack, of the shots that `api.limits` fires."""
     limit = limits.search(setup, tolerance=tolerance, v50_shots=pack_limit.SHOTS, scan=None).limit
-    found = pack_limit.of_shots(limit.shots)
+    return row_of_limit(limit, pack_limit.of_shots(limit.shots))
+
+
+def row_of_limit(limit: Limit, found: PackV50 | None) -> dict[str, Any]:
+    """Return the row of a limit that has been searched.
+
+    Parameters
+    ----------
+    found : V50 of a pack; None of one ply, and of a pack too few of whose shots perforate
+    """
     if found is None:
         return _bracketed(limit)
     return {

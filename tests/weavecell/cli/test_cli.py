@@ -71,7 +71,6 @@ def test_a_command_takes_the_numbers_that_its_function_takes(command, option, le
         ("patch", {"target": "shot.toml"}, "patch-shot"),
         ("sweep", {"target": "shot.toml"}, "sweep-shot"),
         ("calibrate", {"fabric": "mine.toml"}, "calibrate-mine"),
-        ("impact", {"target": "shot.toml", "interval": True}, "shot-interval"),
     ],
 )
 def test_the_folder_of_a_study_is_named_after_it_and_what_it_is_given(name, given, folder):
@@ -133,7 +132,7 @@ def test_a_shot_without_pictures_loads_no_plotter_and_no_statistics(tmp_path):
     (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], BRIEF)))
     done = in_a_program(
         "import sys\nfrom weavecell.cli import app\n"
-        f"try: app.main(['impact', '{tmp_path}/scene.toml', '--out', '{tmp_path}/r'])\n"
+        f"try: app.main(['impact', '{tmp_path}/scene.toml', '--no-interval', '--out', '{tmp_path}/r'])\n"
         "except SystemExit: pass\n"
         f"print(sorted(({HEAVY} - {{'h5py'}}) & set(sys.modules)))"
     )

@@ -119,6 +119,8 @@ SHARED = {
     "checks",
     "doubts",
     "headline",
+    "answer",
+    "interval",
 }
 
 
@@ -136,6 +138,11 @@ def test_a_loaded_result_has_the_table_of_the_live_one(name, tmp_path, monkeypat
     shutil.move("before", "moved")
     loaded = wc.load("moved")
     check_kept(live, loaded)
+    if name == "interval":
+        table = live.interval.to_dataframe()
+        pandas.testing.assert_frame_equal(loaded.tables["interval.csv"], table)
+        columns = [one_table.find_column(column, "interval") for column in table]
+        assert None not in columns
 
 
 OWN = {

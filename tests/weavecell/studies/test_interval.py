@@ -1,8 +1,6 @@
 """The answer over what nobody knows: which places and frictions are run, what decides, and its words."""
 
-import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
@@ -10,7 +8,7 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import Ply
 from weavecell.studies import interval, places
-from weavecell.studies.interval import Interval, Run, Variation
+from weavecell.studies.interval import Interval, Run
 from weavecell.studies.places import CROSSOVER, GAP, ON_WARP, ON_WEFT, Places
 
 SPHERE = {"shape": "sphere", "mass": "0.69 g", "diameter": "5.5 mm"}
@@ -116,14 +114,13 @@ def test_each_place_is_struck_at_low_frictions_and_the_first_at_high_ones():
 
 def shots(*rows, unknown=TWO, struck=(CROSSOVER, GAP), why=""):
     """An Interval of shots at 150 m/s: (place, friction between yarns, on the nose, what is left [m/s])."""
-    setup = SimpleNamespace(strike_velocity=150.0)
     runs = []
     for place, yarns, nose, left in rows:
         outcome = "perforated" if left > 0 else "stopped"
         frictions = dict(zip((YARNS, NOSE), (yarns, nose)))
         frictions = {name: value for name, value in frictions.items() if name in unknown}
         row = {"outcome": outcome, "residual_velocity_m_s": left, "checks": "ok"}
-        runs.append(Run(Variation(place, frictions, setup), row))
+        runs.append(Run(place, frictions, row | {"strike_velocity_m_s": 150.0}))
     return Interval("shot", Places(struck, why), unknown, tuple(runs))
 
 
@@ -184,7 +181,7 @@ def limits(*rows):
         row = {"outcome": "no limit"}
         if low:
             row = {"outcome": "single limit", "lower_m_s": low, "upper_m_s": high}
-        runs.append(Run(Variation(place, {YARNS: yarns}, None), row))
+        runs.append(Run(place, {YARNS: yarns}, row))
     return Interval("critical-velocity", Places((ON_WARP, ON_WEFT)), {YARNS: (0.1, 0.3)}, (*runs,))
 
 
@@ -226,33 +223,32 @@ def test_the_answer_of_a_shot_is_written_told_and_resumed(tmp_path, monkeypatch,
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.format(yarns=RESOLVED))
     size = wc.impact(scene, interval=True, check=True)
-    assert (size.shots, size.more.shots) == (3, 2)
+    assert (size.beside.shots, size.beside.more.shots) == (2, 2)
+    assert "answer over what nobody knows: about 2 shots more; " in str(size)
     assert "if these do not agree, about 2 shots more; " in str(size)
     found = wc.impact(scene, interval=True, out=tmp_path / "r")
-    table = found.to_dataframe()
+    table = found.interval.to_dataframe()
     assert [*table["place"][:3]] == ["on a crossover", "in a gap", "on a crossover"]
     assert [*table["friction_between_yarns"][:3]] == [0.1, 0.1, 0.3]
     assert [*table["friction_on_nose"][:3]] == [0.0, 0.0, 0.2]
     assert [*table["modelled_part"][:3]] == ["quarter", "whole", "quarter"]
     assert table["residual_velocity_m_s"].nunique() == len(table)
-    content = json.loads((tmp_path / "r/interval.json").read_text())
-    assert content["answer"] == found.answer
-    assert content["unknown"]["friction between yarns"] == [0.1, 0.3]
-    assert found.answer in str(found).splitlines()[0]
-    assert found.answer in (tmp_path / "r/report.html").read_text("utf-8")
-    again = wc.load(tmp_path / "r")
-    assert (again.headline, again.outcome) == (found.headline, found.outcome)
+    # the first run is the shot that is shown
+    assert table["residual_velocity_m_s"][0] == found.residual_velocity
+    assert table["max_deflection_m"][0] == found.max_deflection
+    assert found.target.setup.symmetry == "quarter"
     # what the runs do not vary is named, without an option that an interval refuses
     (data,) = [part.text for part in found.left_out if part.kind == "assumed data"]
     assert "friction" not in data.replace("frictions are varied", "")
     assert "assumed-range" not in data.replace("_", "-")
     # each run alone is the shot that its row says
-    run = found.interval.runs[2].variation
+    run = wc.impact.plan(scene, interval=True).interval.first[2]
     alone = wc.impact(run.setup)
     assert alone.residual_velocity == pytest.approx(table["residual_velocity_m_s"][2], rel=1e-9)
     monkeypatch.setattr("weavecell.studies.sweep.shot", None)
     again = wc.impact(scene, interval=True, out=tmp_path / "r", resume=True)
     assert again.answer == found.answer
+    assert again.read_from == tmp_path / "r"
 
 
 @pytest.mark.parametrize(
@@ -264,7 +260,7 @@ def test_the_answer_of_a_shot_is_written_told_and_resumed(tmp_path, monkeypatch,
             "panel.crossovers = .pinned.: must be yarns, auto, or left out",
         ),
         (RESOLVED, {"uncertainty": True}, "left out of an interval"),
-        (RESOLVED, {"assumed_range": True}, "left out of an interval"),
+        (RESOLVED, {"interval": "close"}, "must be True, False or 'open'"),
         ('crossovers = "yarns"\nzone = "3 mm"', {}, "zone"),
     ],
 )
@@ -273,7 +269,7 @@ def test_what_an_interval_does_not_read_is_refused(tmp_path, yarns, options, wor
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.format(yarns=yarns))
     with pytest.raises(InputError, match=words):
-        wc.impact(scene, interval=True, check=True, **options)
+        wc.impact(scene, **{"interval": True, "check": True} | options)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -282,8 +278,8 @@ def test_a_point_that_is_given_is_the_only_place(tmp_path):
     point = RESOLVED + '\nimpact_point = ["0.3 mm", "0.5 mm"]'
     scene.write_text(SCENE.format(yarns=point))
     made = wc.impact.plan(scene, interval=True)
-    assert [run.place.name for run in made.plan.first] == 2 * ["at the given point"]
-    assert made.plan.first[0].setup.impact_point == pytest.approx((0.3e-3, 0.5e-3))
+    assert [run.place.name for run in made.interval.first] == 2 * ["at the given point"]
+    assert made.target.setup.impact_point == pytest.approx((0.3e-3, 0.5e-3))
 
 
 def test_a_shot_says_where_it_strikes_in_spacings_along_warp_and_weft():

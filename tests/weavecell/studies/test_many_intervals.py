@@ -1,7 +1,6 @@
 """Answers over what nobody knows, many at once: sweeps, and the difference of two panels."""
 
 import json
-from types import SimpleNamespace
 
 import pytest
 
@@ -9,7 +8,7 @@ import weavecell as wc
 from fabrics import backings
 from fabrics.base.errors import InputError
 from weavecell.studies import interval, interval_row, sweep
-from weavecell.studies.interval import Interval, Run, Variation
+from weavecell.studies.interval import Interval, Run
 from weavecell.studies.interval_difference import Pair
 from weavecell.studies.places import CROSSOVER, GAP, Places
 
@@ -42,10 +41,10 @@ def scene(tmp_path):
 
 def answer(quantity, *rows):
     """An Interval over TWO: (place, friction between yarns, on the nose, entries of its row)."""
-    setup = SimpleNamespace(strike_velocity=150.0)
     runs = []
     for place, yarns, nose, row in rows:
-        runs.append(Run(Variation(place, {YARNS: yarns, NOSE: nose}, setup), row))
+        struck = {"strike_velocity_m_s": 150.0}
+        runs.append(Run(place, {YARNS: yarns, NOSE: nose}, row | struck))
     return Interval(quantity, Places((CROSSOVER, GAP)), TWO, tuple(runs))
 
 
@@ -119,8 +118,8 @@ def test_a_sweep_of_intervals_is_forecast_written_told_and_resumed(
     assert "in flight wherever it strikes" in found.lines()[1]
     assert "over strike velocity and what nobody knows" in found.headline[1]
     # a run alone is the shot that its entry says
-    second = found.intervals[1].runs[2]
-    alone = wc.impact(second.variation.setup)
+    second = wc.sweep.plan(scene, over=over, interval=True).intervals[1].first[2]
+    alone = wc.impact(second.setup)
     assert alone.residual_velocity == pytest.approx(runs[1][2]["residual_velocity_m_s"], rel=1e-9)
     # frictions are varied, and are not said to be left out
     (data,) = [part.text for part in found.left_out if part.kind == "assumed data"]
@@ -320,7 +319,7 @@ def test_limits_of_packs_are_subtracted_with_their_intervals():
     runs = answer("critical-velocity", (CROSSOVER, 0.1, 0.0, a), (GAP, 0.1, 0.0, b)).runs
     value, low, high = Pair(*runs).subtract()
     assert (value, low, high) == pytest.approx((17.0, 17 - 45**0.5, 17 + 72**0.5))
-    lost = Run(runs[0].variation, {"outcome": "undecided: slow"})
+    lost = Run(runs[0].place, runs[0].frictions, {"outcome": "undecided: slow"})
     assert Pair(lost, runs[1]).subtract() is None
 
 
