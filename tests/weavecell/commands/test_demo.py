@@ -26,6 +26,7 @@ CHAPTERS = [
     "motion",
     "impact",
     "summary",
+    "interval",
     "mesh",
     "fit",
     "cell",
