@@ -6,8 +6,8 @@ One ply of S-720, 203 mm square and clamped, struck by a flat-nosed cylinder of 
 that is fitted to the fabric's own 3D crossover and with the published one. The projectile is rigid; one that is an
 elastic-plastic bar is stopped at 155 m/s (examples/S-720-bar.toml). Each shot is that of ``weavecell impact
 examples/S-720-stops.toml --no-interval`` at its velocity and with its law; then it answers over the frictions that
-nobody gave, with resolved yarns, as that command does by default. It takes about a minute of two cores. Run with ``python
-examples/demo.py [FOLDER [MESH]]``; the mesh of the 3D crossover is coarse unless another is named.
+nobody gave, with resolved yarns, as that command does by default. It takes about a minute of two cores. Run with
+``python examples/demo.py [FOLDER [MESH]]``; the mesh of the 3D crossover is coarse unless another is named.
 """
 
 import logging
