@@ -19,9 +19,9 @@ def test_the_checks_of_a_row_are_read_by_name():
     assert RIM.doubtful
     assert CUT.doubtful
     row = {"checks": sweep._with_reasons((RIM, CUT))}
-    assert intervals._doubts(row) == ["slip at the rim", "cut outside the zone"]
-    assert intervals._doubts({"checks": "ok"}) == []
-    assert intervals._doubts({}) == []
+    assert intervals.find_doubts(row) == ["slip at the rim", "cut outside the zone"]
+    assert intervals.find_doubts({"checks": "ok"}) == []
+    assert intervals.find_doubts({}) == []
 
 
 def run_of(place, outcome, left, *checks, **more):
@@ -36,7 +36,7 @@ def test_an_answer_counts_doubtful_runs_those_that_stopped_and_those_run_again()
         run_of(GAP, "perforated", 31.5, RIM, CUT),
         run_of(CROSSOVER, "stopped", 0.0),
     )
-    found = intervals._describe(Interval(SHOT, Places((CROSSOVER, GAP)), {}, runs))
+    found = intervals.describe(Interval(SHOT, Places((CROSSOVER, GAP)), {}, runs))
     assert (found["runs"], found["doubtful"], found["widened"]) == (4, 3, 1)
     assert (found["stopped"], found["stopped_doubtful"]) == (3, 2)
     assert found["doubts"] == "slip at the rim (2), cut outside the zone (2)"

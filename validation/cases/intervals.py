@@ -48,7 +48,7 @@ def shot(**keywords: Any) -> Values:
 
     Returns
     -------
-    dict of `_describe`, with pinned, the outcome of the pinned shot, and pinned_doubts
+    dict of `describe`, with pinned, the outcome of the pinned shot, and pinned_doubts
     """
     this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
     _load_kernels(this)
@@ -56,21 +56,19 @@ def shot(**keywords: Any) -> Values:
     pinned = sweep.shot(replace(this, crossovers=None, instead=None))
     cost = time.process_time() - began
     found = _answer(this, interval.SHOT, cost)
-    return found | {"pinned": pinned["outcome"], "pinned_doubts": ", ".join(_doubts(pinned))}
+    return found | {"pinned": pinned["outcome"], "pinned_doubts": ", ".join(find_doubts(pinned))}
 
 
-def limit(*, tests: Sequence[tuple[float, str]] = (), **keywords: Any) -> Values:
+def limit(**keywords: Any) -> Values:
     """Search a limit over what nobody knows.
 
     Parameters
     ----------
-    tests : (strike velocity [m/s], outcome) of published ones
     keywords : of `impact.setup`; the friction on the nose is the assumed one
 
     Returns
     -------
-    dict of `_describe`, with pinned [m/s], the limit of pinned yarns, pinned_doubts, and met, how many
-    `tests` the interval allows: no limit is below a stop, none above a perforation
+    dict of `describe`, with pinned [m/s], the limit of pinned yarns, and pinned_doubts
     """
     this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
     _load_kernels(this)
@@ -78,16 +76,9 @@ def limit(*, tests: Sequence[tuple[float, str]] = (), **keywords: Any) -> Values
     pinned = sweep.critical_velocity(replace(this, crossovers=None, instead=None))
     cost = time.process_time() - began
     found = _answer(this, interval.LIMIT, cost)
-    met = 0
-    for velocity, outcome in tests:
-        if outcome == "stopped":
-            met += found["high"] >= velocity
-        else:
-            met += found["low"] <= velocity
     return found | {
         "pinned": pinned.get("critical_velocity_m_s"),
-        "pinned_doubts": ", ".join(_doubts(pinned)),
-        "met": met,
+        "pinned_doubts": ", ".join(findfind_doubts(pinned)),
     }
 
 
@@ -131,7 +122,7 @@ def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywo
         "yarns": this.crossovers.friction,
         "nose": this.projectile.friction,
         "outcome": row["outcome"],
-        "doubts": ", ".join(_doubts(row)),
+        "doubts": ", ".join(find_doubts(row)),
         "error": row["energy_error_max"],
         "widened": "widened" in row,
         "cpu_s": time.process_time() - began,
@@ -197,10 +188,10 @@ def _answer(this: ImpactSetup, quantity: str, pinned_cost: float) -> Values:
         first = interval.begin([plan], folder=folder)
         (found,) = interval.follow_up([plan], first, folder=folder)
     spent = time.process_time() - began
-    return _describe(found) | {"cpu_s": spent, "cost": spent / pinned_cost}
+    return describe(found) | {"cpu_s": spent, "cost": spent / pinned_cost}
 
 
-def _describe(found: Interval) -> Values:
+def describe(found: Interval) -> Values:
     """Say what an interval answers.
 
     Returns
@@ -234,12 +225,12 @@ def _load_kernels(this: ImpactSetup) -> None:
         run_impact_or_partial(places.strike_at(resolved, place))
 
 
-def _doubts(row: Mapping[str, object]) -> list[str]:
-    """The names of the checks beyond their limits of a row of `sweep`."""
+def find_doubts(row: Mapping[str, object]) -> list[str]:
+    """Find the names of the checks beyond their limits of a row of `sweep`."""
     return OF_A_DOUBT.findall(str(row.get("checks", "")))
 
 
 def _count_doubts(runs: Sequence[Run]) -> str:
     """Each check beyond its limit, with the number of runs."""
-    names = [name for run in runs if run.doubtful for name in _doubts(run.row)]
+    names = [name for run in runs if run.doubtful for name in find_doubts(run.row)]
     return ", ".join(f"{name} ({names.count(name)})" for name in dict.fromkeys(names))
