@@ -78,7 +78,7 @@ def limit(**keywords: Any) -> Values:
     found = _answer(this, interval.LIMIT, cost)
     return found | {
         "pinned": pinned.get("critical_velocity_m_s"),
-        "pinned_doubts": ", ".join(findfind_doubts(pinned)),
+        "pinned_doubts": ", ".join(find_doubts(pinned)),
     }
 
 
