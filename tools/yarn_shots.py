@@ -10,8 +10,8 @@ code 1 if a guard ended a shot, its energy error is above LIMIT or a crossing wa
 
     python tools/yarn_shots.py --seed 2 --shots 60 --small --plies 3
 
-fires at panels of 20 to 40 crossovers, half of them resolved to their edges: a second or less a shot. Plies of a
-pack have fewer, and are resolved to their edges.
+fires at panels of 20 to 40 crossovers, half of them resolved to their edges, and at packs of 18 to 24: a second
+or less a ply.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
-from math import exp, inf, log, radians, sqrt
+from math import exp, inf, log, radians
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,9 @@ SHAPES = "flat", "sphere", "hemisphere", "cone", "chisel"
 STEEL = 7850.0  # [kg/m3]
 COORDINATES = 24  # of a point, no fewer than a shot draws
 FRICTION_OF_PLIES = 0.2
+# [spacings] of small panels of one ply, and of the plies of a pack: largest radius, opening
+SMALL_NOSE = 3.0, 2.0
+SMALL_OPENING = (20.0, 40.0), (18.0, 24.0)
 LIMIT = 0.005  # [-] energy error over the strike energy
 
 
@@ -75,7 +78,7 @@ def draw_shot(seed: int, number: int, small: bool = False, plies: int = 1) -> Im
     spacing = 2 * max(fabric.weave.w)
     radius = draws.uniform(2e-3, 6.5e-3)
     if small:
-        radius = draws.uniform(1.2, 3.0) * spacing
+        radius = draws.uniform(1.2, SMALL_NOSE[count > 1]) * spacing
     shape = draws.choice(SHAPES)
     own = {"edge_radius": 0.05 * radius}
     if shape == "sphere":
@@ -93,11 +96,11 @@ def draw_shot(seed: int, number: int, small: bool = False, plies: int = 1) -> Im
     opening = draws.uniform(0.07, 0.11)
     half_width = min(max(8e-3, 2.2 * radius + 6e-3), 0.4 * opening)
     if small:
-        # the fewer the more plies: all have about as many crossovers
-        opening = draws.uniform(20, 40) / sqrt(count) * spacing
-        half_width = inf
+        opening = draws.uniform(*SMALL_OPENING[count > 1]) * spacing
+        half_width = radius + 5.5 * spacing
+    # plies of a pack are shifted against each other, and none is resolved to its edges
     if small and count == 1:
-        half_width = draws.choice((radius + 5.5 * spacing, inf))
+        half_width = draws.choice((half_width, inf))
     velocity = exp(draws.uniform(log(40), log(400)))
     # anywhere in a repeat of plain weave, which has two crossovers each way
     aim = tuple(2 * float(w) * draws.uniform(-1.0, 1.0) for w in fabric.weave.w)
