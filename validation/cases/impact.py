@@ -223,6 +223,7 @@ def shot(*, crossings: bool = False, unfailing: bool = False, **keywords: Any) -
     dict with all keys of summary.json; t, v, z, force and absorbed (n,) [s, m/s, m, N, J]; energies {name: (n,)} [J];
     peak (warp, weft) [N] of one yarn; strength (warp, weft) [N]; flags, the indicators beyond their limits; kinetic
     [-], the mean of kinetic over stored energy of the fabric in the last half of the shot; fronts {kind family: [m/s]};
+    torn_plies, with a cut yarn at the end;
     cpu_s [s] of table and run;
     slip_*, place_* (k,) [m] of the ends of the yarns along the clamps; crossings, 1 if plies cross at a sample;
     force_peak, force_jumps [N] (`rough`)
@@ -273,6 +274,7 @@ def found(result: ImpactResult, keywords: Values) -> Values:
             "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
             "flags": flags(result.checks),
             "kinetic": kinetic,
+            "torn_plies": int(np.count_nonzero(result.plies["cut_yarns"][-1])),
         }
     )
 
