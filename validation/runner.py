@@ -12,12 +12,12 @@ from __future__ import annotations
 import statistics
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from fabrics.base import run_cache
-from fabrics.base.errors import WeavecellError
+from fabrics.base.errors import InputError, WeavecellError
 from validation import cases, golden, judges, origin, study
 from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
 from validation.values import Values
@@ -42,15 +42,34 @@ def solve(run: str, keywords: Values, warm: Values | None = None) -> Values:
     try:
         if warm is None:
             return function(**keywords)
-        function(**warm)
+        warm_up(function, warm)
         times: list[float] = []
         while len(times) < MOST_RUNS and sum(times) < LONG_ENOUGH:
             began = time.process_time()
             result = function(**keywords)
             times.append(result.get("cpu_s", time.process_time() - began))
         return result | {"cpu_s": statistics.median(times)}
+    except RefusedWarmRun:
+        raise
     except WeavecellError as problem:
         return {"problem": str(problem)}
+
+
+class RefusedWarmRun(InputError):
+    """A warm run that the study's file describes wrongly: no problem of the case, which would lose its cost."""
+
+
+def warm_up(function: Callable[..., Values], warm: Values) -> None:
+    """Run what compiles the kernels of a case.
+
+    Raises
+    ------
+    RefusedWarmRun : its input is refused
+    """
+    try:
+        function(**warm)
+    except InputError as problem:
+        raise RefusedWarmRun(f"is refused: {problem}", key="cost.warm") from problem
 
 
 def timed(run: str, keywords: Values, warm: Values | None = None) -> Values:

@@ -133,6 +133,24 @@ def test_a_chart_knows_errors_costs_and_what_none_beats(monkeypatch, tmp_path):
     assert np.isnan(records[3]["error of value [%]"])
 
 
+def test_a_warm_run_that_is_refused_ends_the_study_and_is_no_problem_of_a_case(
+    monkeypatch, tmp_path
+):
+    def run(n, scale=1.0):
+        if n == 1:
+            raise InputError(key="n", value=n, allowed="above 1")
+        if n == 3:
+            raise UnstableError("no equilibrium")
+        return {"value": 2.0, "cpu_s": 0.7}
+
+    monkeypatch.setattr(cases, "function", lambda name: run)
+    assert runner.solve("made.up", {"n": 3}, {"n": 3})["problem"] == "no equilibrium"
+    assert runner.solve("made.up", {"n": 1})["problem"]
+    assert runner.solve("made.up", {"n": 2}, {"n": 2})["value"] == 2.0
+    with pytest.raises(InputError, match=r"cost\.warm.*is refused.*above 1"):
+        runner.solve("made.up", {"n": 2}, {"n": 1})
+
+
 def test_what_none_beats_in_time_and_error():
     assert judges.non_dominated([1, 2, 3, 4], [4.0, 4.0, 2.0, 1.99], 0.1) == [0, 2]
     assert judges.non_dominated([1, 2, np.nan], [np.nan, 2, 1]) == [1]
