@@ -60,8 +60,9 @@ def list_assumptions(
     if setup.backing is not None:
         rows.append(("block behind", setup.backing.assumptions))
     said = [(name, " ".join(sentences)) for name, sentences in rows]
-    for fabric in setup.fabrics:
-        said += [("range of a number", line) for line in assumed.ranges_of_measured(fabric)]
+    ranges = [line for fabric in setup.fabrics for line in assumed.ranges_of_measured(fabric)]
+    # fabrics of one yarn have theirs in common
+    said += [("range of a number", line) for line in dict.fromkeys(ranges)]
     return said
 
 

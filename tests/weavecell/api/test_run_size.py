@@ -123,7 +123,7 @@ def test_a_forecast_tells_the_shots_of_the_study_from_those_of_the_range():
     size = wc.v50("S-720", shots=12, check=True, assumed_range=True)
     alone = wc.v50("S-720", shots=12, check=True)
     assert alone.of_range == 0
-    assert "range" not in str(alone)
+    assert "the range" not in str(alone)
     of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
     assert size.shots - size.of_range == alone.shots == 12 + of_a_search
     assert f"{alone.shots} of these shots are the study itself, {size.of_range} the range" in str(

@@ -159,7 +159,8 @@ def test_a_limit(single):
     shots = shots_of([shot for shot in SHOTS if shot[0] != 87.0] if single else SHOTS)
     limit = Limit(92.0, 96.0, shots)
     with pictures_figure.plots() as pyplot:
-        found = Given(title="S-720", limit=limit, lambert_jonas=curve_of("a 1", 0.5), shots=shots)
+        drawn = {"limit": limit, "lambert_jonas": curve_of("a 1", 0.5), "shots": shots}
+        found = Given(title="S-720", interval=None, **drawn)
         figure = limits.plot_of(found).draw(pyplot)
     line = np.linspace(80, 1.02 * 105, 7)
     zone = {"bracket": (92.0, 96.0)} if single else {"mixed outcomes": (87.0, 92.0)}
@@ -1030,6 +1031,31 @@ def one_at_a_time(pyplot):
     return None
 
 
+@case(pictures_comparison.draw_pairs)
+def draw_pairs(pyplot):
+    """A diamond on its bar is the difference of a pair, and the band all of them; unlike runs are both named."""
+    found = [(8.0, 5.5, 11.0), (-3.0, -4.5, -1.0), None]
+    names = [("gap", "gap"), ("gap", "crossover"), ("yarn", "yarn")]
+    pairs = [
+        Given(a=Given(name=a), b=Given(name=b), subtract=lambda own=own: own)
+        for (a, b), own in zip(names, found)
+    ]
+    difference = Given(pairs=pairs, span=lambda: (-4.5, 11.0))
+    figure = pictures_comparison.draw_pairs(pyplot, difference)
+    (axes,) = figure.axes
+    better, middle, worse, other, zero = axes.lines
+    assert_allclose(better.get_xydata(), [[5.5, 0], [11, 0]])
+    assert_allclose(middle.get_xydata(), [[8, 0]])
+    assert_allclose(worse.get_xydata(), [[-4.5, 1], [-1, 1]])
+    assert_allclose(other.get_xydata(), [[-3, 1]])
+    assert_allclose(zero.get_xdata(), [0, 0])
+    assert reach(axes.patches[0], 0) == pytest.approx((-4.5, 11.0))
+    labels = [text.get_text() for text in axes.get_yticklabels()]
+    assert labels == ["gap", "A: gap\nB: crossover", "yarn"]
+    assert axes.get_xlabel() == "A less B [m/s]: above 0, A is better"
+    return None
+
+
 @case(pictures_uncertainty.draw_interval)
 def draw_interval(pyplot):
     """A ring is a stop; of a limit its ends are drawn, and of a run without a value nothing."""
@@ -1037,7 +1063,7 @@ def draw_interval(pyplot):
     rows = [("gap", "stopped", 0.0, {}), ("crossover", "perforated", 61.5, {})]
     rows += [("yarn", "single limit", 74.5, bracket), ("beside", "unstable", None, {})]
     runs = [
-        Given(variation=Given(name=name), outcome=outcome, value=value, row=row)
+        Given(name=name, outcome=outcome, value=value, row=row)
         for name, outcome, value, row in rows
     ]
     interval = Given(runs=runs, low=0.0, high=74.5)
