@@ -130,7 +130,7 @@ def plan_interval(target: Target, quantity: str, tolerance: float | None = None)
         first = interval.plan_first(setup, struck, unknown)
         for run in first:
             # what resolved yarns do not have is refused before anything is run
-            run.setup.plain_panels()
+            run.setup.target()
     return interval.IntervalPlan(setup, quantity, tolerance, struck, unknown, tuple(first))
 
 
