@@ -39,7 +39,7 @@ WORDS = (
 )  # of a study, that change no number
 DIGITS = 12  # of a digest or a commit
 LINE = re.compile(
-    r"(?P<command>python -m validation [^,;]+), commit (?P<commit>[^,;]+), (?P<date>[^,;]+), (?P<processor>[^;]+)"
+    r"(?P<command>python -m validation [^;]+?), commit (?P<commit>[^,;]+), (?P<date>[^,;]+), (?P<processor>[^;]+)"
     r"; inputs (?P<inputs>[^;]+); numpy (?P<numpy>[^,;]+), numba (?P<numba>[^,;]+)"
     r"; (?P<cpu_s>[^;]+) CPU s; golden rows (?P<golden>[^;]+)"
 )
