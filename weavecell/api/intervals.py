@@ -98,6 +98,7 @@ def plan_interval(target: Target, quantity: str, tolerance: float | None = None)
     ------
     InputError : yarns that are pinned by the input, or what resolved yarns do not have
     """
+    from shellfabric.impact.run import check_impact
     from weavecell.studies import interval, places
     from weavecell.studies.ballistic_limit import first_guess
 
@@ -130,7 +131,7 @@ def plan_interval(target: Target, quantity: str, tolerance: float | None = None)
         first = interval.plan_first(setup, struck, unknown)
         for run in first:
             # what resolved yarns do not have is refused before anything is run
-            run.setup.target()
+            check_impact(run.setup)
     return interval.IntervalPlan(setup, quantity, tolerance, struck, unknown, tuple(first))
 
 

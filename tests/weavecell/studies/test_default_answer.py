@@ -7,6 +7,7 @@ from html import unescape
 import pytest
 
 import weavecell as wc
+from fabrics.base.errors import InputError
 from tests.scene_text import merged, toml
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning", "ignore::weavecell.DoubtfulResult")
@@ -141,3 +142,13 @@ def test_an_answer_that_was_interrupted_goes_on(succeed, command, tmp_path, monk
     found = wc.load(tmp_path / "r").interval
     assert len(found.runs) == 1 + len(fired) + len(again)
     assert not (tmp_path / "r/interval").exists()
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning", "ignore::weavecell.DoubtfulResult")
+def test_what_one_run_takes_is_not_refused_by_default():
+    """A yarn 101 mm beside the nose, within the pinned edge and beyond that of resolved yarns."""
+    asked = {"opening": "203 mm", "history": {"weft": ["0 mm", "101 mm"]}}
+    size = wc.impact("S-720", "92.5 m/s", interval="open", check=True, **asked)
+    assert size.assumptions == wc.impact("S-720", "92.5 m/s", check=True, **asked).assumptions
+    with pytest.raises(InputError, match="history.weft"):
+        wc.impact("S-720", "92.5 m/s", interval=True, check=True, **asked)
