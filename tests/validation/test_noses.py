@@ -26,10 +26,20 @@ def test_a_nose_of_a_study_has_no_friction_unless_its_file_says_so():
     assert friction(nose_friction=0.05) == (0.05, False)
 
 
-@pytest.mark.parametrize("name", ["one-ply", "published-critical-velocities", "pack-limits"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "one-ply",
+        "published-critical-velocities",
+        "pack-limits",
+        "pack-mass",
+        "pack-angles",
+        "panel-plies",
+    ],
+)
 def test_a_study_beside_tests_is_of_the_shots_that_users_get(name):
     row = golden.rows(study.load(name))[0]
     of_search = ("tolerance", "guess", "step", "multiples")
     shot = {key: value for key, value in row.keywords.items() if key not in of_search}
-    users = wc.setup(shot["fabric"], SHOT["velocity"])
+    users = wc.setup(SHOT["fabric"], SHOT["velocity"])  # para-aramid, as those of the studies
     assert impact.setup(**shot).projectile.friction == users.projectile.friction > 0
