@@ -150,7 +150,7 @@ def _has_own_place(target):
 def forecast_beside(plan: IntervalPlan, target: Target) -> StudySize:
     """Forecast the runs that follow the one that is shown, and those that follow if they do not
     agree."""
-    return _forecast(plan, plan.first[1:], target)
+    return replace(_forecast(plan, plan.first[1:], target), after=plan.first[0].name)
 
 
 def forecast_all(plan: IntervalPlan, target: Target) -> StudySize:

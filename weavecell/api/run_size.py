@@ -286,8 +286,11 @@ def _say_beside(size):
     if size is None:
         return []
     shots = counted(size.shots, "shot")
-    line = f"answer over what nobody knows: about {shots} more; {size.cost}"
-    return [line, *_say_more(size.more)]
+    lines = [
+        f"answer over what nobody knows: about {shots} more; {size.cost}",
+        *_say_more(size.more),
+    ]
+    return [*lines, f"described here is the first run: {size.after}"]
 
 
 def _say_more(size):
@@ -374,6 +377,7 @@ class StudySize(_Size):
     foreseen, said : of RunSize, of its shots
     more : size of the runs that follow if these do not agree; None if none do
     beside : of RunSize
+    after : name of the run that these follow, which the lines describe; "" if they follow none
 
     Examples
     --------
@@ -392,6 +396,7 @@ class StudySize(_Size):
     said: Wording = NOTHING
     more: StudySize | None = None
     beside: StudySize | None = None
+    after: str = ""
 
     @classmethod
     def estimate(

@@ -225,6 +225,8 @@ def test_the_answer_of_a_shot_is_written_told_and_resumed(tmp_path, monkeypatch,
     size = wc.impact(scene, interval=True, check=True)
     assert (size.beside.shots, size.beside.more.shots) == (2, 2)
     assert "answer over what nobody knows: about 2 shots more; " in str(size)
+    first = "on a crossover, friction between yarns 0.1, friction on the nose 0"
+    assert f"described here is the first run: {first}" in str(size)
     assert "if these do not agree, about 2 shots more; " in str(size)
     found = wc.impact(scene, interval=True, out=tmp_path / "r")
     table = found.interval.to_dataframe()
