@@ -2,41 +2,49 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from dataclasses import replace
+from math import nan, sqrt
 from typing import Any
 
 from fabrics.base.errors import UndecidedError
-from validation.cases import impact
+from validation.cases import impact, intervals
 from validation.values import Values
+from weavecell.studies import places, sweep
 
 
-def bracket(*, low: float, high: float, share: float = 0.2, **keywords: Any) -> Values:
+def bracket(*, place: str, low: float, high: float, share: float = 0.25, **keywords: Any) -> Values:
     """Bisect the friction between yarns with which a ply whose yarns are all resolved stops a nose
     that pinned yarns stop.
 
     Parameters
     ----------
+    place : name of one of `places.NAMED`
     low, high : [-] frictions between which it is looked for
     share : [-] width of the bracket over its lower end, at most
-    keywords : of `impact.shot`
+    keywords : of `impact.setup`
 
     Returns
     -------
-    dict with passes and stops, the ends of the bracket [-]; passes is 0 if `low` stops the nose; left
+    dict with velocity [m/s]; passes and stops, the ends of the bracket [-]; passes is 0 if `low` stops the nose; left
     [m/s] of the nose at `passes`, NaN of none; shots; error [-], the largest of the energy balance over
-    the strike energy; flags, the checks of the shots at the ends beyond their limits
+    the strike energy; doubts, the checks of the shots at the ends beyond their limits; wave [m/s], the
+    mean speed of fibre waves
 
     Raises
     ------
     UndecidedError : pinned yarns that do not stop the nose, or resolved ones of friction `high`
     """
-    if impact.shot(**keywords)["outcome"] != "stopped":
+    pinned = impact.setup(**keywords)
+    if sweep.shot(pinned)["outcome"] != "stopped":
         raise UndecidedError("pinned yarns do not stop the nose")
+    struck = places.strike_at(places.resolve(pinned), places.NAMED[place])
+    zone = struck.crossovers
+    assert zone is not None
     fired: dict[float, Values] = {}
 
     def stops(friction):
-        resolved = {"crossovers": "yarns", "crossover_friction": friction, "whole_zone": True}
-        fired[friction] = impact.shot(**keywords, **resolved)
+        resolved = replace(struck, crossovers=replace(zone, friction=friction).whole)
+        fired[friction] = sweep.shot(resolved)
         return fired[friction]["outcome"] == "stopped"
 
     if not stops(high):
@@ -50,12 +58,15 @@ def bracket(*, low: float, high: float, share: float = 0.2, **keywords: Any) -> 
         else:
             low = middle
     ends = [fired[friction] for friction in (low, high) if friction in fired]
-    beyond = {flag for end in ends for flag in end["flags"].split(", ") if flag}
+    doubts = {name for end in ends for name in intervals.find_doubts(end)}
+    warp, weft = pinned.fabric.weave.yarns
     return {
+        "velocity": pinned.strike_velocity,
         "passes": low,
         "stops": high,
-        "left": fired[low]["residual_velocity_m_s"] if low in fired else float("nan"),
+        "left": fired[low]["residual_velocity_m_s"] if low in fired else nan,
         "shots": len(fired),
         "error": max(shot["energy_error_max"] for shot in fired.values()),
-        "flags": ", ".join(sorted(beyond)),
+        "doubts": ", ".join(sorted(doubts)),
+        "wave": 0.5 * (warp.wave_speed + weft.wave_speed),
     }
