@@ -144,6 +144,7 @@ def result_of(
     time: FloatArray | None = None,
     depth: FloatArray | None = None,
     alone_from: float = nan,
+    gauge_radius: float = dent.GAUGE,
 ) -> BackingResult:
     """Return the result of a block as it is.
 
@@ -152,9 +153,10 @@ def result_of(
     time, depth : (n,) [s], [m] when its dent was looked at, and how deep a gauge found it; None
         where nobody has looked: whether such a block rests is not known
     alone_from : of BackingResult
+    gauge_radius : [m] of the gauge's disc
     """
     face = block.depth_map()
-    gauged = dent.gauge(face, block.backing.mirrors)
+    gauged = dent.gauge(face, block.backing.mirrors, gauge_radius)
     if time is None or depth is None:
         time, depth = np.array([block.time]), np.array([gauged])
     found = BackingResult(
@@ -240,6 +242,7 @@ class BackingCoupling(Part):
     Attributes
     ----------
     block : block.Block, one step ahead of the fabric
+    gauge_radius : [m] of the disc that gauges its dent
     threads : most that share its bricks, of the panel's numerics, or None
 
     Raises
@@ -259,6 +262,7 @@ class BackingCoupling(Part):
         self.backing = backing
         self.projectile = panel.shot.seen_from(-panel.weave_angle)
         self.shape = self.projectile.nose
+        self.gauge_radius = dent.disc_radius(self.projectile.radius)
         self.const = const
         self.threads = panel.numerics.threads
         self.p = backing.points
@@ -416,7 +420,9 @@ class BackingCoupling(Part):
             hand_over.rim_force = float(np.abs(self.block.points.force[:, 2]).sum())
         hand_over.peak_force = max(float(hand_over.peak_force), float(hand_over.rim_force))
         return {
-            "dent": dent.gauge(self.block.depth_map(), self.block.backing.mirrors),
+            "dent": dent.gauge(
+                self.block.depth_map(), self.block.backing.mirrors, self.gauge_radius
+            ),
             "held_motion": dent.held_motion(self.block),
             "crossing": dent.crossing(self.block),
         }

@@ -27,7 +27,9 @@ ABOUT = 2.0  # radii of the dent within which this motion counts
 # share of its greatest depth by which a dent at rest may still change in the time in which a shear
 # wave crosses it: springing back is shear, and a dent that turns is without motion for a moment
 STILL = 0.05
-GAUGE = 5e-3  # [m] radius of the disc of a gauge, whatever the projectile: one of a ball's would miss its dent
+# [m] least radius of the disc of a gauge. Behind a pack it is as wide as the nose (`disc_radius`); on
+# a bare face a disc as wide as a ball would miss the ball's own dent
+GAUGE = 5e-3
 _PARTS = 8  # along a side of a facet of the face, whose middles are in the disc or not
 
 
@@ -37,43 +39,50 @@ def deepest(face: FloatArray) -> float:
     return max(float(face[..., 2].max()), 0.0)
 
 
-def gauge(face: FloatArray, mirrors: tuple[bool, bool]) -> float:
-    """Compute the depth [m] that a gauge finds: the greatest mean over the area, seen along the
-    flight, of a disc of radius GAUGE; 0 of a face that is nowhere below its place at rest.
+def disc_radius(nose: float) -> float:
+    """Return the radius [m] of the disc that gauges the dent behind a pack, struck by a nose of a
+    radius [m]."""
+    return max(GAUGE, nose)
 
-    Its centre is a node within GAUGE of the deepest one, found by the middles of the facets, or the
-    deepest node itself where that reads more. Which node is deepest is chance: under one nose it
+
+def gauge(face: FloatArray, mirrors: tuple[bool, bool], radius: float = GAUGE) -> float:
+    """Compute the depth [m] that a gauge finds: the greatest mean over the area, seen along the
+    flight, of its disc; 0 of a face that is nowhere below its place at rest.
+
+    Its centre is a node within a radius of the deepest one, found by the middles of the facets, or
+    the deepest node itself where that reads more. Which node is deepest is chance: under one nose it
     changes from sample to sample, and a disc about it read up to 34 % less than the greatest.
 
     Parameters
     ----------
     face : (nx, ny, 3) [m] x, y and depth, which is bilinear in each facet
     mirrors : whether x = 0 and y = 0 are planes of symmetry, which it goes on beyond
+    radius : [m] of the disc
     """
     if face[..., 2].max() <= 0:
         return 0.0
     deepest_node = face[np.unravel_index(np.argmax(face[..., 2]), face.shape[:2])][:2]
     images = np.array([(1, 1), (-1, 1), (1, -1), (-1, -1)])
     seen = images[[all(np.where(image < 0, mirrors, True)) for image in images]]
-    best = _best_centre(face, deepest_node, seen)
-    return max(_disc_mean(face, centre, seen) for centre in (deepest_node, best))
+    best = _best_centre(face, deepest_node, seen, radius)
+    return max(_disc_mean(face, centre, seen, radius) for centre in (deepest_node, best))
 
 
-def _best_centre(face, deepest_node, seen):
-    """The node (2,) [m] within GAUGE of the deepest about which the middles of the facets within
-    GAUGE are deepest on average; the deepest one where no disc holds a middle."""
+def _best_centre(face, deepest_node, seen, radius):
+    """The node (2,) [m] within a radius [m] of the deepest about which the middles of the facets
+    within it are deepest on average; the deepest one where no disc holds a middle."""
     nodes = face[..., :2].reshape(-1, 2)
-    centres = nodes[np.hypot(*(nodes - deepest_node).T) <= GAUGE]
+    centres = nodes[np.hypot(*(nodes - deepest_node).T) <= radius]
     middles = 0.25 * (face[:-1, :-1] + face[1:, :-1] + face[:-1, 1:] + face[1:, 1:]).reshape(-1, 3)
     across = (face[1:, 1:] - face[:-1, :-1])[..., :2].reshape(-1, 2)
     along = (face[:-1, 1:] - face[1:, :-1])[..., :2].reshape(-1, 2)
     area = 0.5 * np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
-    near = np.abs(middles[:, :2] - deepest_node).max(axis=1) <= 2 * GAUGE
+    near = np.abs(middles[:, :2] - deepest_node).max(axis=1) <= 2 * radius
     middles = middles[near]
     weight = np.zeros((len(centres), len(middles)))
     for image in seen:
         apart = middles[:, :2] * image - centres[:, None]
-        weight += np.hypot(apart[..., 0], apart[..., 1]) <= GAUGE
+        weight += np.hypot(apart[..., 0], apart[..., 1]) <= radius
     weight *= area[near]
     total = weight.sum(axis=1)
     if not total.any():
@@ -83,21 +92,21 @@ def _best_centre(face, deepest_node, seen):
     return centres[np.argmax(mean)]
 
 
-def _disc_mean(face, centre, seen):
-    """Mean depth [m] of a face over a disc of radius GAUGE about a centre (2,) [m], by _PARTS x
+def _disc_mean(face, centre, seen, radius):
+    """Mean depth [m] of a face over a disc of a radius [m] about a centre (2,) [m], by _PARTS x
     _PARTS points in each facet and its images (k, 2); 0 above the plane, and the depth of the
     deepest node where no point is in the disc."""
     corners = face[:-1, :-1], face[1:, :-1], face[:-1, 1:], face[1:, 1:]
     nearest = np.min([np.abs(corner[..., :2] - centre).max(axis=-1) for corner in corners], axis=0)
     sides = max(float(np.abs(np.diff(face[..., :2], axis=axis)).max()) for axis in (0, 1))
-    c00, c10, c01, c11 = (corner[nearest <= GAUGE + sides][:, None] for corner in corners)
+    c00, c10, c01, c11 = (corner[nearest <= radius + sides][:, None] for corner in corners)
     at = (np.arange(_PARTS) + 0.5) / _PARTS
     s, t = (place.reshape(1, -1, 1) for place in np.meshgrid(at, at))
     points = (1 - s) * ((1 - t) * c00 + t * c01) + s * ((1 - t) * c10 + t * c11)
     along = (1 - t) * (c10 - c00) + t * (c11 - c01)
     across = (1 - s) * (c01 - c00) + s * (c11 - c10)
     area = np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0])
-    within = sum(np.hypot(*(points[..., :2] * image - centre).T).T <= GAUGE for image in seen)
+    within = sum(np.hypot(*(points[..., :2] * image - centre).T).T <= radius for image in seen)
     weight = area * within
     if not weight.any():
         return deepest(face)

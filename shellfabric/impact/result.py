@@ -152,4 +152,10 @@ def _block_of(solver):
     part = solver.part("block")
     if part is None:
         return None
-    return result_of(part.block, solver.sample("t"), solver.sample("dent"), solver.alone_from)
+    return result_of(
+        part.block,
+        solver.sample("t"),
+        solver.sample("dent"),
+        solver.alone_from,
+        part.gauge_radius,
+    )

@@ -24,7 +24,7 @@ def indicators(solver: Any) -> tuple[Indicator, ...]:
         return ()
     block = part.block
     time, depth = solver.sample("t"), solver.sample("dent")
-    found = result_of(block, time, depth, solver.alone_from)
+    found = result_of(block, time, depth, solver.alone_from, part.gauge_radius)
     brick = block.backing.min_size
     deepest = max(found.deepest_dent, 0.1 * brick)
     values = {

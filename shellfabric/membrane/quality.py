@@ -296,8 +296,8 @@ _CHECKS = (
     Check(
         "deepest node of the dent",
         1.3,
-        "depth of the deepest node of the face over that which a gauge of 5 mm in radius "
-        "finds: a single node is no dent",
+        "depth of the deepest node of the face over that which a gauge finds: a single node is no "
+        "dent",
         "smaller backing.min_size",
     ),
     Check(

@@ -205,6 +205,24 @@ def test_a_pack_that_is_held_keeps_down_the_rim(fabric):
     assert held.backing.dent.size == held.time.size
 
 
+@pytest.mark.parametrize("nose, disc", [(3e-3, dent.GAUGE), (7e-3, 7e-3)])
+def test_the_gauge_is_as_wide_as_the_nose(fabric, nose, disc):
+    """A flat nose that still moves: the depth at its last sample, at the end and in the check are read off its own
+    disc; one of the other width reads differently."""
+    given = LEFT | {"projectile": Projectile(mass=0.4e-3, radius=nose), "end_time": 30e-6}
+    solver = PackSolver(ImpactSetup(fabric, 70.0, **given).target(), 70.0, 30e-6)
+    solver.run()
+    face = solver.part("block").block.depth_map()
+    depth = dent.gauge(face, (True, True), disc)
+    assert depth > 0.5e-3
+    assert dent.gauge(face, (True, True), 12e-3 - disc) != pytest.approx(depth, rel=0.05)
+    found = collect_result(ImpactSetup(fabric, 70.0, **given), solver).backing
+    assert found.gauge_depth == depth
+    assert found.dent[-1] == pytest.approx(depth, rel=0.02)  # the block is one step ahead
+    checks = {one.name: one.value for one in dent_checks.indicators(solver)}
+    assert checks["deepest node of the dent"] == dent.deepest(face) / depth
+
+
 def test_motion_far_from_a_dent_does_not_change_it():
     """Each node of a block at 1 m/s, in a tenth of its energy: what is about a dent of 5 mm counts, and no more."""
     block = replace(BLOCK, size=(0.08, 0.08, 0.04)).block(1e-7)
@@ -234,8 +252,9 @@ def bowl(x, y):
     return 0.01 * 0.5 ** ((x**2 + y**2) / 0.012**2)
 
 
+@pytest.mark.parametrize("radius", [dent.GAUGE, 7e-3])
 @pytest.mark.parametrize("mirrors", [(True, True), (False, False), (True, False)])
-def test_a_gauge_finds_the_mean_over_its_disc(mirrors):
+def test_a_gauge_finds_the_mean_over_its_disc(mirrors, radius):
     """The mean of a paraboloid over a disc, on bricks of 2.5 and 1.25 mm; a node that goes down
     alone is no dent; nor is a face that has risen."""
     wide = 0.015
@@ -245,14 +264,14 @@ def test_a_gauge_finds_the_mean_over_its_disc(mirrors):
 
     for size in (2.5e-3, 1.25e-3):
         block = block_with(paraboloid, mirrors=mirrors, min_size=size)
-        found = dent.gauge(block.depth_map(), mirrors)
+        found = dent.gauge(block.depth_map(), mirrors, radius)
         # a chord of x^2 between nodes is h^2 / 6 above it in the mean
-        of_disc = (0.25 + 0.5) * dent.GAUGE**2 + (1 + 2) * size**2 / 6
+        of_disc = (0.25 + 0.5) * radius**2 + (1 + 2) * size**2 / 6
         assert found == pytest.approx(0.01 * (1 - of_disc / wide**2), rel=2e-3)
     alone = block_with(lambda x, y: bowl(x, y) + 0.03 * (np.hypot(x, y) < 1e-6), mirrors=mirrors)
     for block, ok in ((block_with(bowl, mirrors=mirrors), True), (alone, False)):
         face = block.depth_map()
-        ratio = face[..., 2].max() / dent.gauge(face, mirrors)
+        ratio = face[..., 2].max() / dent.gauge(face, mirrors, radius)
         assert quality.indicator("deepest node of the dent", ratio).ok is ok
     assert dent.gauge(block_with(lambda x, y: 0 * x - 1e-3).depth_map(), mirrors) == 0.0
 
@@ -291,7 +310,10 @@ def test_a_gauge_sees_beyond_a_plane_of_symmetry():
     assert found == pytest.approx(dent.gauge(whole, (False, False)), rel=1e-9)
     # about its deepest node the disc reaches across the plane, where the trough has its image
     images = np.array([(1, 1), (-1, 1)])
-    mean = [dent._disc_mean(half, np.array([2.5e-3, 5e-3]), seen) for seen in (images[:1], images)]
+    mean = [
+        dent._disc_mean(half, np.array([2.5e-3, 5e-3]), seen, dent.GAUGE)
+        for seen in (images[:1], images)
+    ]
     assert mean[1] > mean[0]
 
 
@@ -303,7 +325,7 @@ def test_a_gauge_weighs_facets_by_their_area():
     x, y = np.meshgrid(*lines, indexing="ij")
     face = np.stack([x, y, 0.01 - np.where(x < 0, -0.2 * x, 0.6 * x)], axis=-1)
     expected = 0.01 - 0.5 * (0.2 + 0.6) * 4 * dent.GAUGE / (3 * np.pi)
-    found = dent._disc_mean(face, np.zeros(2), np.ones((1, 2)))
+    found = dent._disc_mean(face, np.zeros(2), np.ones((1, 2)), dent.GAUGE)
     assert found == pytest.approx(expected, rel=1e-3)
     # on the gentler side it reads more
     assert dent.gauge(face, (False, False)) > found
@@ -378,7 +400,8 @@ def solver_with(time, depth, block, **changes):
     columns = {"t": time, "dent": depth, "held_motion": 0.002 * depth, "crossing": 0 * time}
     columns |= dict.fromkeys(coupling.NAMES, 0 * time)
     columns |= {"backing_plastic": 60 + 0 * time, "backing_hourglass": 3 * depth / depth.max()}
-    part = SimpleNamespace(block=block, hand_over=SimpleNamespace(deepest_ply=5e-3))
+    left = SimpleNamespace(deepest_ply=5e-3)
+    part = SimpleNamespace(block=block, hand_over=left, gauge_radius=dent.GAUGE)
     panel = SimpleNamespace(
         supports=(("free", "free"),) * 2, opening=(0.03, 0.03), round=False, backing=block.backing
     )
