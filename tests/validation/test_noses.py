@@ -35,6 +35,8 @@ def test_a_nose_of_a_study_has_no_friction_unless_its_file_says_so():
         "pack-mass",
         "pack-angles",
         "panel-plies",
+        "panel-mass",
+        "panel-angles",
     ],
 )
 def test_a_study_beside_tests_is_of_the_shots_that_users_get(name):
