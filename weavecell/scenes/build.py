@@ -449,10 +449,10 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
             "numerics": Numerics(**_collect_given(scene.numerics)),
         }
         if data_sheet.FRICTION_BETWEEN_PLIES in case.fabric.assumed:
-            entries = assumed.shot_entries(case.fabric)
+            entries = assumed.shot_entries(*fabrics)
             given["ply_friction"] = entries[data_sheet.FRICTION_BETWEEN_PLIES].number
         if "symmetry" not in panel.model_fields_set:
-            given["symmetry"] = _modelled_part(panel, given["projectile"], fabrics)
+            given["symmetry"] = _modelled_part(panel, given, fabrics)
         zone = _build_yarn_zone(panel, fabrics)
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
@@ -470,10 +470,14 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
     return made
 
 
-def _modelled_part(panel, projectile, fabrics):
+def _modelled_part(panel, given, fabrics):
     """The smallest part of a panel that stands for the whole, where none is asked for: a plane of
-    symmetry is one of the shot, of the place that it hits, and of the weave; of resolved yarns also of
-    the patterns of all fabrics."""
+    symmetry is one of the shot, of the place that it hits, of the edges, and of the weave; of resolved
+    yarns also of the patterns of all fabrics. A block has both planes or none.
+
+    given : keywords of the set-up, of which it reads projectile, boundary and backing
+    """
+    from shellfabric.membrane import boundary
     from shellfabric.membrane.grid import SYMMETRIES
 
     wanted = SYMMETRIES[panel.symmetry]
@@ -486,11 +490,16 @@ def _modelled_part(panel, projectile, fabrics):
     planes = tuple(
         plane
         and mirrored[axis]
-        and projectile.mirrored(axis)
+        and given["projectile"].mirrored(axis)
         and offset == 0
+        and low == high
         and panel.weave_angle == 0
-        for axis, (plane, offset) in enumerate(zip(wanted, panel.impact_point or (0.0, 0.0)))
+        for axis, (plane, offset, (low, high)) in enumerate(
+            zip(wanted, panel.impact_point or (0.0, 0.0), boundary.sides(given["boundary"]))
+        )
     )
+    if given["backing"] is not None:
+        planes = (all(planes),) * 2
     return next(name for name, has in SYMMETRIES.items() if has == planes)
 
 

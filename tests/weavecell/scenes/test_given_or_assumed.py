@@ -208,6 +208,21 @@ def test_a_hybrid_pack_assumes_the_friction_of_what_is_struck_in_the_range_of_al
     assert (other.friction, *other.friction.span) == (0.2, 0.0, 0.4)
 
 
+def test_plies_of_a_hybrid_pack_assume_the_friction_of_the_first_in_the_range_of_all(tmp_path):
+    """0.2 of aramid, or 0.25 of carbon: the order makes neither range narrower."""
+    aramid = ROOT / "examples/fabrics/mine.toml"
+    carbon = tmp_path / "carbon.toml"
+    sheet = aramid.read_text("utf-8")
+    for old, new in (("90 GPa", "230 GPa"), ("1.44 g", "1.76 g"), ("3.3 %", "1.58 %")):
+        sheet = sheet.replace(old, new)
+    carbon.write_text(sheet, "utf-8")
+    for first, other, friction in ((aramid, carbon, 0.2), (carbon, aramid, 0.25)):
+        law = {"a": "0.04 mm", "b": "0.05 mm N^(1/3)"}
+        plies = [{"count": 2}, {"file": str(other), "law": law, "count": 3}]
+        made = wc.setup(str(first), 210.0, law=law, opening="60 mm", ply=plies)
+        assert (made.ply_friction, *made.ply_friction.span) == (friction, 0.1, 0.5)
+
+
 def test_a_fabric_of_another_shot_is_marked_by_the_shot_that_it_is_in(fabrics):
     """Given, and then not given, and given again: a fabric is taken from one set-up to the next."""
     given = {"projectile": of_given(None, 0.17)}

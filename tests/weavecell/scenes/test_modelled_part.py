@@ -4,6 +4,7 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
+from shellfabric.loop.pack_solver import PackSolver
 
 OFF = "5 mm"
 
@@ -11,6 +12,8 @@ OFF = "5 mm"
 FSP = {"name": "FSP 1.10 g"}
 TILTED = FSP | {"obliquity": "20 deg"}
 ALONG_WEFT = {"azimuth": "90 deg"}
+SLIPS = {"clamp_force": "30 N"}
+HELD = {"clamp_force": "45 N"}
 
 
 @pytest.mark.parametrize(
@@ -29,13 +32,24 @@ ALONG_WEFT = {"azimuth": "90 deg"}
         ("whole", {"impact_point": [OFF, "0 mm"], "projectile": TILTED | ALONG_WEFT}),
         ("whole", {"weave_angle": "20 deg"}),
         ("whole", {"crossovers": "yarns"}),
+        ("other half", {"boundary": {"warp": ["free", "clamped"], "weft": "free"}}),
+        ("half", {"boundary": {"warp": SLIPS, "weft": [SLIPS, HELD]}}),
+        ("whole", {"boundary": {"warp": [SLIPS, HELD], "weft": ["clamped", "free"]}}),
+        ("quarter", {"boundary": {"warp": [SLIPS, SLIPS], "weft": "clamped"}}),
+        ("quarter", {"backing": "gelatine 10 %", "boundary": {"warp": SLIPS, "weft": "free"}}),
+        ("whole", {"backing": "gelatine 10 %", "impact_point": ["0 mm", OFF]}),
+        (
+            "whole",
+            {"backing": "gelatine 10 %", "boundary": {"warp": [HELD, SLIPS], "weft": "free"}},
+        ),
     ],
 )
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_the_smallest_part_that_stands_for_the_whole_is_computed(part, keys):
     setup = wc.setup("S-728", "90 m/s", opening="60 mm", **keys)
     assert setup.symmetry == part
-    setup.panel(setup.table())  # which refuses a part that the shot does not have
+    # it refuses a part that the shot, its edges or its block do not have
+    PackSolver(setup.target(setup.table()), setup.strike_velocity, setup.end_time)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
