@@ -31,6 +31,26 @@ end_time = "{end_time}"
 {run}
 """
 
+SPHERE = """
+[fabric]
+name = "S-728"
+[projectile]
+shape = "sphere"
+mass = "0.69 g"
+diameter = "5.5 mm"
+strike_velocity = "120 m/s"
+[panel]
+opening = "{opening}"
+{panel}
+[run]
+end_time = "{end_time}"
+"""
+
+
+def sphere_scene(opening, end_time, panel):
+    """Text of a scene of a sphere at S-728; `panel` are further lines of its table."""
+    return SPHERE.format(opening=opening, end_time=end_time, panel=panel)
+
 
 def impact_scene(
     velocity="155 m/s",

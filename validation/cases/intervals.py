@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import sqrt
 from statistics import fmean, stdev
@@ -50,13 +50,8 @@ def shot(**keywords: Any) -> Values:
     -------
     dict of `describe`, with pinned, the outcome of the pinned shot, and pinned_doubts
     """
-    this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
-    _load_kernels(this)
-    began = time.process_time()
-    pinned = sweep.shot(replace(this, crossovers=None, instead=None))
-    cost = time.process_time() - began
-    found = _answer(this, interval.SHOT, cost)
-    return found | {"pinned": pinned["outcome"], "pinned_doubts": ", ".join(find_doubts(pinned))}
+    pinned, found = _answer_beside_pinned(interval.SHOT, sweep.shot, keywords)
+    return found | {"pinned": pinned["outcome"]}
 
 
 def limit(**keywords: Any) -> Values:
@@ -70,16 +65,8 @@ def limit(**keywords: Any) -> Values:
     -------
     dict of `describe`, with pinned [m/s], the limit of pinned yarns, and pinned_doubts
     """
-    this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
-    _load_kernels(this)
-    began = time.process_time()
-    pinned = sweep.critical_velocity(replace(this, crossovers=None, instead=None))
-    cost = time.process_time() - began
-    found = _answer(this, interval.LIMIT, cost)
-    return found | {
-        "pinned": pinned.get("critical_velocity_m_s"),
-        "pinned_doubts": ", ".join(find_doubts(pinned)),
-    }
+    pinned, found = _answer_beside_pinned(interval.LIMIT, sweep.critical_velocity, keywords)
+    return found | {"pinned": pinned.get("critical_velocity_m_s")}
 
 
 def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywords: Any) -> Values:
@@ -176,6 +163,20 @@ def spread(
         "doubtful": found.doubtful,
         "cpu_s": time.process_time() - began,
     }
+
+
+def _answer_beside_pinned(
+    quantity: str, run_pinned: Callable[[ImpactSetup], Values], keywords: Values
+) -> tuple[Values, Values]:
+    """Compute a row of pinned yarns, and then an interval: the row, and the interval with the doubts of
+    the row and the cost of both."""
+    this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
+    _load_kernels(this)
+    began = time.process_time()
+    pinned = run_pinned(replace(this, crossovers=None, instead=None))
+    cost = time.process_time() - began
+    doubts = {"pinned_doubts": ", ".join(find_doubts(pinned))}
+    return pinned, _answer(this, quantity, cost) | doubts
 
 
 def _answer(this: ImpactSetup, quantity: str, pinned_cost: float) -> Values:

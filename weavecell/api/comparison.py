@@ -36,8 +36,6 @@ from weavecell.api.result import Result, say_before_range
 from weavecell.api.run_size import StudySize, WorkSize
 from weavecell.api.scatter import V50Result
 from weavecell.api.target import is_input_file, resolve_target
-from weavecell.report import installed
-from weavecell.results import out_folder
 from weavecell.results.finding import Finding
 from weavecell.results.left_out import LeftOut
 
@@ -681,13 +679,6 @@ class ComparisonResult(OfTwoPanels):
             )
         ]
 
-    def table(self) -> DataFrame:
-        """Return the table with labels and units."""
-        return self._labelled_columns()
-
-    def _notebook_table(self):
-        return self.table()
-
     def widths(self) -> DataFrame:
         """Return the half width of the interval of the difference that numbers of shots would give,
         and the verdict if the difference stays."""
@@ -715,53 +706,33 @@ class ComparisonResult(OfTwoPanels):
             "difference.svg": None,
         }
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
-        from weavecell.results import provenance
+    _written = NAMES
 
-        out = Path(out)
-        text = "\n".join(f"# {panel.name}\n{panel.text}" for panel in self.targets if panel.text)
-        stamp = provenance.stamp(text, *self.a.target.setup.fabrics, setup=self.b.target.setup)
-        with out_folder.hold(out, NAMES):
-            for name, result in (("a", self.a), ("b", self.b)):
-                (out / name).mkdir(exist_ok=True)
-                result.save(out / name)
-            self._write_files(out, stamp)
-            if installed.can_draw():
-                self._write_report(out, stamp)
+    def _save_each(self, out):
+        for name, result in (("a", self.a), ("b", self.b)):
+            (out / name).mkdir(exist_ok=True)
+            result.save(out / name)
 
     def _write_report(self, out, stamp):
         """Write the page that has both."""
-        from weavecell.report import chapters, pictures
-        from weavecell.report.page import Card, Section, Table
+        from weavecell.report.page import Card, Table
         from weavecell.report.shot import chapters_shot
-        from weavecell.results.left_out import lines_of
 
-        picture = pictures.draw_figure("difference", "", self.draw)
         tables = [Table.from_frame(self.table())]
         if len(widths := self.widths()):
             caption = "Width over the number of shots, if the difference stays as it is"
             tables.append(Table.from_frame(widths, caption))
-        points = (*self.lines()[1:], *lines_of(self.left_out))
-        points += ("The pages of the two are a/report.html and b/report.html.",)
-        sections = [Section("result", "A and B", "", (picture,), tuple(tables), points)]
+        sections = []
         if self.assumed_range is not None:
             sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
-        found = Finding(*self.headline, self.doubts)
-        cards = [Card("A against B", self.verdict, (found.value,))]
+        cards = [Card("A against B", self.verdict, (self.finding.value,))]
         for name, result, density in zip(self.names, (self.a, self.b), self.areal_densities):
             of_one = Finding(name, f"{_value(result):.1f} m/s", result.doubts)
             lines = (f"{1e3 * density:.0f} g/m²", *result.lines()[:1])
             cards.append(Card(name, of_one.value, lines).with_doubts(of_one))
-        fabrics = list({f.name: f for panel in self.targets for f in panel.setup.fabrics}.values())
-        setup, case = self.a.target.setup, self.a.target.case
-        lead = f"A: {chapters.describe_shot(setup, case and case.scene)}"
-        setup, case = self.b.target.setup, self.b.target.case
-        lead += f" B: {chapters.describe_shot(setup, case and case.scene)}"
+        points = ("The pages of the two are a/report.html and b/report.html.",)
         seconds = {"both studies": self.b.wall_time}
-        banner = f"{found.label} {found.value}."
-        of_page = (lead, fabrics, cards, sections, stamp, seconds, found, banner)
-        chapters.write(out, self.title, *of_page)
+        self._write_page(out, stamp, cards, tables, sections, points, seconds)
 
 
 def _outcomes(result):

@@ -13,10 +13,8 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.frozen import explain_frozen
 from weavecell.api import quantities
@@ -24,14 +22,12 @@ from weavecell.api.command import Plan, Running
 from weavecell.api.intervals import add_up, leave_out, plan_interval
 from weavecell.api.of_two_panels import OfTwoPanels
 from weavecell.api.run_size import StudySize
-from weavecell.report import installed
-from weavecell.results import one_table, out_folder
+from weavecell.results import one_table
 from weavecell.results.finding import Finding
-from weavecell.results.left_out import LeftOut, find_left_out, lines_of
+from weavecell.results.left_out import LeftOut, find_left_out
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
     from weavecell.api.target import Target
     from weavecell.studies.interval import Variation
@@ -275,13 +271,6 @@ class IntervalComparisonResult(OfTwoPanels):
     def _columns(self):
         return _turn(self.difference.rows)
 
-    def table(self) -> DataFrame:
-        """Return the table with labels and units."""
-        return self._labelled_columns()
-
-    def _notebook_table(self):
-        return self.table()
-
     def draw(self, pyplot: Any) -> Figure:
         """Draw the difference of each pair of runs [m/s]."""
         from weavecell.report import pictures_comparison
@@ -297,38 +286,15 @@ class IntervalComparisonResult(OfTwoPanels):
         content |= {"runs": runs, "pairs": self.difference.rows}
         return dict(zip(FILES, (content, self.to_csv(), None)))
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
-        from weavecell.results import provenance
-
-        out = Path(out)
-        text = "\n".join(f"# {panel.name}\n{panel.text}" for panel in self.targets if panel.text)
-        stamp = provenance.stamp(text, *self.a.setup.fabrics, setup=self.b.setup)
-        with out_folder.hold(out, NAMES):
-            self._write_files(out, stamp)
-            if installed.can_draw():
-                self._write_report(out, stamp)
+    _written = NAMES
 
     def _write_report(self, out, stamp):
         """Write the page."""
-        from weavecell.report import chapters, pictures
-        from weavecell.report.page import Card, Section, Table
+        from weavecell.report.page import Card, Table
 
-        picture = pictures.draw_figure("interval-difference", "", self.draw)
-        points = (*self.lines()[1:], *lines_of(self.left_out))
-        table = Table.from_frame(self.table())
-        sections = [Section("result", "A and B", "", (picture,), (table,), points)]
-        found = self.finding
-        card = Card("A against B", self.verdict, (found.value,))
-        fabrics = list({f.name: f for panel in self.targets for f in panel.setup.fabrics}.values())
-        lead = " ".join(
-            f"{side}: {chapters.describe_shot(panel.setup, panel.scene)}"
-            for side, panel in zip("AB", self.targets)
-        )
-        seconds = {"all searches": self.wall_time}
-        banner = f"{found.label} {found.value}."
-        of_page = (lead, fabrics, [card], sections, stamp, seconds, found, banner)
-        chapters.write(out, self.title, *of_page)
+        card = Card("A against B", self.verdict, (self.finding.value,))
+        tables = [Table.from_frame(self.table())]
+        self._write_page(out, stamp, [card], tables, (), (), {"all searches": self.wall_time})
 
 
 def _say_run(run):

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
 from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions
+from weavecell.report import installed
+from weavecell.results import out_folder
+from weavecell.results.left_out import lines_of
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from weavecell.api.target import Target
+    from weavecell.report.page import Card, Section, Table
 
 # fields of a set-up that a comparison is about
 COMPARED = (
@@ -23,7 +31,9 @@ COMPARED = (
 
 class OfTwoPanels(DrawnResult):
     """What results about two panels share. A derived class has what raises NotImplementedError
-    here."""
+    here, and the names of the files and folders that it writes."""
+
+    _written: Sequence[str]
 
     @property
     def targets(self) -> tuple[Target, Target]:
@@ -74,3 +84,64 @@ class OfTwoPanels(DrawnResult):
         """Lines that name what is assumed of the fabrics."""
         lines = [line for panel in self.targets for line in list_assumptions(panel.setup)]
         return tuple(dict.fromkeys(lines))
+
+    def table(self) -> DataFrame:
+        """Return the table with labels and units."""
+        return self._labelled_columns()
+
+    def _notebook_table(self):
+        return self.table()
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of the module to a folder."""
+        from weavecell.results import provenance
+
+        out = Path(out)
+        a, b = self.targets
+        text = "\n".join(f"# {panel.name}\n{panel.text}" for panel in (a, b) if panel.text)
+        stamp = provenance.stamp(text, *a.setup.fabrics, setup=b.setup)
+        with out_folder.hold(out, self._written):
+            self._save_each(out)
+            self._write_files(out, stamp)
+            if installed.can_draw():
+                self._write_report(out, stamp)
+
+    def _save_each(self, out: Path) -> None:
+        """Write what has folders of its own; nothing of most."""
+
+    def _write_report(self, out, stamp):
+        """Write the page."""
+        raise NotImplementedError
+
+    def _write_page(
+        self,
+        out: Path,
+        stamp: object,
+        cards: Sequence[Card],
+        tables: Sequence[Table],
+        more: Sequence[Section],
+        points: Sequence[str],
+        seconds: dict[str, float],
+    ) -> None:
+        """Write the page that has both.
+
+        Parameters
+        ----------
+        cards, tables : of both
+        more : sections below the result
+        points : lines that follow what is printed
+        seconds : {what was computed: wall time}
+        """
+        from weavecell.report import chapters, page, pictures
+
+        name = next(Path(file).stem for file in self.files() if file.endswith(".svg"))
+        picture = pictures.draw_figure(name, "", self.draw)
+        lines = (*self.lines()[1:], *lines_of(self.left_out), *points)
+        sections = [page.Section("result", "A and B", "", (picture,), tuple(tables), lines), *more]
+        shots = [chapters.describe_shot(panel.setup, panel.scene) for panel in self.targets]
+        lead = " ".join(f"{side}: {shot}" for side, shot in zip("AB", shots))
+        fabrics = {f.name: f for panel in self.targets for f in panel.setup.fabrics}
+        found = self.finding
+        banner = f"{found.label} {found.value}."
+        content = (lead, [*fabrics.values()], cards, sections, stamp, seconds, found, banner)
+        chapters.write(out, self.title, *content)

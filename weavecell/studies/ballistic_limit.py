@@ -159,17 +159,20 @@ class Limit:
         return self.mixed_zone is None
 
 
-def count_widened(reasons: Sequence[str]) -> str:
+def count_widened(reasons: Sequence[str], noun: str = "shot") -> str:
     """Count the shots that were fired again with all yarns resolved, in words; "" if none was.
 
     Parameters
     ----------
-    reasons : why each shot was, or ""
+    reasons : why each was, or ""
+    noun : in the singular, of what has the reasons; a shot, or what is made of shots
     """
     again = sum(map(bool, reasons))
     if not again:
         return ""
-    of = f"{again} of {counted(len(reasons), 'shot')}"
+    of = f"{again} of {counted(len(reasons), noun)}"
+    if noun != "shot":
+        of += " with shots"
     return f"{of} fired again with all yarns resolved: their zone was too small"
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from fabrics.base.counted import counted
 from shellfabric.membrane.indicator import OK
 from weavecell.studies import interval, sweep
+from weavecell.studies.ballistic_limit import count_widened
 from weavecell.studies.interval import Interval
 
 ALIKE = "alike wherever it strikes"  # limits
@@ -21,10 +22,9 @@ def make_row(found: Interval) -> dict[str, Any]:
     checks = OK
     if found.doubtful:
         checks = f"doubtful: {found.doubtful} of {counted(runs, 'run')}"
-    widened = [run.row["widened"] for run in found.runs if "widened" in run.row]
     again = {}
-    if widened:
-        again["widened"] = f"{len(widened)} of {counted(runs, 'run')}: {widened[0]}"
+    if widened := count_widened([run.row.get("widened", "") for run in found.runs], "run"):
+        again["widened"] = widened
     return {
         "outcome": _outcome_of_interval(found),
         **dict(zip(ends, (found.low, found.high))),

@@ -7,6 +7,7 @@ import pytest
 import weavecell as wc
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import Ply
+from tests.scene_text import sphere_scene
 from weavecell.studies import interval, places
 from weavecell.studies.interval import Interval, Run
 from weavecell.studies.places import CROSSOVER, GAP, ON_WARP, ON_WEFT, Places
@@ -201,27 +202,13 @@ def test_limits_that_differ_are_an_interval_with_what_decides():
     assert limits((ON_WARP, 0.1, 0.0, 0.0)).words() == "no run has a value: no limit"
 
 
-SCENE = """
-[fabric]
-name = "S-728"
-[projectile]
-shape = "sphere"
-mass = "0.69 g"
-diameter = "5.5 mm"
-strike_velocity = "120 m/s"
-[panel]
-opening = "30 mm"
-{yarns}
-[run]
-end_time = "24 us"
-"""
 RESOLVED = 'crossovers = "yarns"\nzone = "9 mm"'
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning", "ignore::weavecell.DoubtfulResult")
 def test_the_answer_of_a_shot_is_written_told_and_resumed(tmp_path, monkeypatch, drawn_once):
     scene = tmp_path / "scene.toml"
-    scene.write_text(SCENE.format(yarns=RESOLVED))
+    scene.write_text(sphere_scene("30 mm", "24 us", RESOLVED))
     size = wc.impact(scene, interval=True, check=True)
     assert (size.beside.shots, size.beside.more.shots) == (2, 2)
     assert "answer over what nobody knows: about 2 shots more; " in str(size)
@@ -269,7 +256,7 @@ def test_the_answer_of_a_shot_is_written_told_and_resumed(tmp_path, monkeypatch,
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_what_an_interval_does_not_read_is_refused(tmp_path, yarns, options, words):
     scene = tmp_path / "scene.toml"
-    scene.write_text(SCENE.format(yarns=yarns))
+    scene.write_text(sphere_scene("30 mm", "24 us", yarns))
     with pytest.raises(InputError, match=words):
         wc.impact(scene, **{"interval": True, "check": True} | options)
 
@@ -278,7 +265,7 @@ def test_what_an_interval_does_not_read_is_refused(tmp_path, yarns, options, wor
 def test_a_point_that_is_given_is_the_only_place(tmp_path):
     scene = tmp_path / "scene.toml"
     point = RESOLVED + '\nimpact_point = ["0.3 mm", "0.5 mm"]'
-    scene.write_text(SCENE.format(yarns=point))
+    scene.write_text(sphere_scene("30 mm", "24 us", point))
     made = wc.impact.plan(scene, interval=True)
     assert [run.place.name for run in made.interval.first] == 2 * ["at the given point"]
     assert made.target.setup.impact_point == pytest.approx((0.3e-3, 0.5e-3))
