@@ -3,6 +3,7 @@ sweeps."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from weavecell.studies.interval import Interval
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
+
+ANSWER = 84  # letters of a line of the title of an interval
+LINE = 0.26  # inch: of such a line
 
 _PROBABILITIES = np.linspace(0.01, 0.99, 33)
 
@@ -191,15 +195,18 @@ def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantit
 
 
 def draw_interval(pyplot: Any, interval: Interval, label: str) -> Any:
-    """Draw the value of each run of an interval, with place and frictions at its side; a ring is a
-    stop, and the band all runs.
+    """Draw the value of each run of an interval below its answer, with place and frictions at its
+    side; a ring is a stop, and the band all runs.
 
     Parameters
     ----------
     label : of the axis of velocities
     """
     runs = interval.runs
-    figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(runs)))
+    answer = textwrap.wrap(interval.words(), ANSWER)
+    height = 1.8 + 0.42 * len(runs) + LINE * len(answer)
+    figure, axes = pyplot.subplots(figsize=(9, height))
+    figure.suptitle("\n".join(answer))
     for row, run in enumerate(runs):
         look: dict[str, Any] = {"color": BLUE}
         if run.outcome == "stopped":

@@ -44,6 +44,7 @@ from weavecell.studies import probit, v50
 from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.energy_map import EnergyMap
+from weavecell.studies.interval import ADVICE
 from weavecell.studies.sweep import QUANTITIES
 
 ROOT = Path(__file__).parents[3]
@@ -1058,7 +1059,7 @@ def draw_pairs(pyplot):
 
 @case(pictures_uncertainty.draw_interval)
 def draw_interval(pyplot):
-    """A ring is a stop; of a limit its ends are drawn, and of a run without a value nothing."""
+    """A ring is a stop; of a limit its ends are drawn, and of a run without a value nothing. Its title is the answer."""
     bracket = {"lower_m_s": 71.0, "upper_m_s": 78.0}
     rows = [("gap", "stopped", 0.0, {}), ("crossover", "perforated", 61.5, {})]
     rows += [("yarn", "single limit", 74.5, bracket), ("beside", "unstable", None, {})]
@@ -1066,8 +1067,12 @@ def draw_interval(pyplot):
         Given(name=name, outcome=outcome, value=value, row=row)
         for name, outcome, value, row in rows
     ]
-    interval = Given(runs=runs, low=0.0, high=74.5)
+    answer = "; ".join(["stopped to perforated with 61.5 m/s left", *ADVICE.values()])
+    interval = Given(runs=runs, low=0.0, high=74.5, words=lambda: answer)
     figure = pictures_uncertainty.draw_interval(pyplot, interval, "V50 [m/s]")
+    title = figure.get_suptitle()
+    assert title.replace("\n", " ") == answer
+    assert title.count("\n") > 0
     (axes,) = figure.axes
     stop, through, ends, middle = axes.lines
     assert_allclose(stop.get_xydata(), [[0, 0]])
