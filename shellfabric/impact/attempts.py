@@ -95,6 +95,14 @@ class Attempt:
             found += [wider, wider.shorten()]
         return found
 
+    def list_series(self) -> list[list[Attempt]]:
+        """List each series of runs that `follow` may make of this one, to its end."""
+        _, shorter, *with_all = self.possible()
+        if not with_all:
+            return [[self], [self, shorter]]
+        wider, both = with_all
+        return [[self], [self, shorter], [self, wider], [self, shorter, both], [self, wider, both]]
+
 
 def with_all_yarns(setup: ImpactSetup) -> ImpactSetup:
     """Return a set-up of resolved yarns with all yarns of the panel resolved."""

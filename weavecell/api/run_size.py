@@ -141,6 +141,8 @@ class RunSize(_Size):
     steps, time_step : number at most, and length [s]
     memory : [bytes]
     cpu_time : (lowest, highest) [s] if the run goes on to its end time
+    again : [s] highest, of the runs that may follow where yarns slip: with a shorter step, with all
+        yarns of the panel resolved (`Attempt.list_series`); 0 of pinned yarns
     notes : lines on resolved yarns: what is assumed of them, and why they are resolved
     of_fabrics : lines that name what is assumed of the fabrics
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
@@ -170,6 +172,7 @@ class RunSize(_Size):
     said: Wording = NOTHING
     of_bullet: tuple[str, ...] = ()
     beside: StudySize | None = None
+    again: float = 0.0
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -201,9 +204,9 @@ class RunSize(_Size):
         InputError : values that do not go together
         """
         from shellfabric.block.coupling import bricks_of
+        from shellfabric.impact.attempts import Attempt
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
-        from shellfabric.yarns.model import crossings_of
         from weavecell.studies import choice, model_choice
 
         if setup.instead is not None:
@@ -216,20 +219,15 @@ class RunSize(_Size):
         pack = check_impact(setup, written=written)
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
-        kind = "one ply"
-        plies = bodies = 0
-        if setup.plies > 1:
-            kind = "pack"
-            plies = setup.plies
-        if setup.stops_a_bullet:
-            bodies = plies
-        crossings = sum(map(crossings_of, pack.plies))
-        numbers = np.array([pack.elements, plies, bodies, bricks, crossings])
-        costs = np.array([COSTS[kind], OF_A_PLY, OF_A_BODY, OF_A_BRICK, OF_A_CROSSING])
-        low, high = steps * numbers @ costs
+        low, high = _forecast_cpu_time(setup, pack)
+        again = 0.0
         needed = memory.needed(pack.plies, setup.snapshots, written=written)
         if setup.crossovers is not None:
             notes = (*setup.crossovers.assumed_lines, *notes, *_forecast_all_yarns(pack, steps))
+            series = Attempt(pack).list_series()
+            again = max(
+                sum(_forecast_cpu_time(setup, run.target)[1] for run in runs[1:]) for runs in series
+            )
         return cls(
             title,
             pack.elements,
@@ -244,6 +242,7 @@ class RunSize(_Size):
             model_choice.advise(setup, pack),
             Wording.of_setup(setup, scene, velocity=velocity, drawn=drawn),
             _tell_bullet(setup, pack, (low, high)),
+            again=again,
         )
 
     def summary(self) -> dict[str, Any]:
@@ -334,6 +333,24 @@ def _tell_bullet(setup, pack, cpu_time):
         f"{found.mesh_in_words}"
     )
     return tuple(lines)
+
+
+def _forecast_cpu_time(setup, pack):
+    """(lowest, highest) CPU time [s] of a run at a pack to its end time."""
+    from shellfabric.block.coupling import bricks_of
+    from shellfabric.yarns.model import crossings_of
+
+    kind = "one ply"
+    plies = bodies = 0
+    if setup.plies > 1:
+        kind = "pack"
+        plies = setup.plies
+    if setup.stops_a_bullet:
+        bodies = plies
+    crossings = sum(map(crossings_of, pack.plies))
+    numbers = np.array([pack.elements, plies, bodies, bricks_of(pack.plies[0]), crossings])
+    costs = np.array([COSTS[kind], OF_A_PLY, OF_A_BODY, OF_A_BRICK, OF_A_CROSSING])
+    return ceil(setup.end_time / pack.time_step) * numbers @ costs
 
 
 def _forecast_all_yarns(pack, steps):
@@ -434,7 +451,9 @@ class StudySize(_Size):
         words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
         of_a_run = RunSize.estimate(setup, title, **words)
         of_a_shot = crossing / setup.end_time
-        low, high = shots * of_a_shot * np.multiply(of_a_run.cpu_time, DURATION)
+        # each shot may be fired again
+        first, last = np.add(of_a_run.cpu_time, (0.0, of_a_run.again))
+        low, high = shots * of_a_shot * np.multiply((first, last), DURATION)
         of_range = of_a_search * max(searches - 1, 0) + repeats
         told: dict[str, Any] = {"foreseen": of_a_run.foreseen, "said": of_a_run.said}
         return cls(title, shots, searches, (low, high), of_range, **told)

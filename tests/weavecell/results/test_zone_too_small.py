@@ -86,6 +86,32 @@ def test_what_follows_a_run_is_a_shorter_step_or_all_yarns_once():
         assert given.follow(ended(slip_at_the_rim=0.9)) is None
 
 
+def test_the_series_of_runs_are_all_that_may_follow():
+    """However each run ends: with a loss to its step, slip at its rim, both or neither."""
+    setup = wc.setup("S-726", "80 m/s", **UNZIPS)
+    ends = [ended(loss, slip_at_the_rim=slip) for loss in (0.001, 0.005) for slip in (0.1, 0.2)]
+
+    def follow_all(runs):
+        found = set()
+        for end in ends:
+            following = runs[-1].follow(end)
+            found |= (
+                {tuple(map(name, runs))} if following is None else follow_all([*runs, following])
+            )
+        return found
+
+    def name(run):
+        return run.step_factor, bool(run.widened)
+
+    given = replace(setup, crossovers=replace(setup.crossovers, half_width=20e-3))
+    for one, longest in ((setup, 3), (given, 2)):
+        first = Attempt(one.target())
+        listed = [tuple(map(name, runs)) for runs in first.list_series()]
+        assert len(set(listed)) == len(listed)
+        assert {*listed} == follow_all([first])
+        assert max(map(len, listed)) == longest
+
+
 def test_memory_that_does_not_hold_all_yarns_leaves_the_doubt(monkeypatch):
     first = Attempt(wc.setup("S-726", "80 m/s", **UNZIPS).target())
 
