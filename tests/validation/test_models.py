@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from validation.cases import models
-from weavecell.studies.model_choice import KnownScene, SceneNumbers
+from weavecell.studies.model_choice import Advice, KnownScene, SceneNumbers
 
 NUMBERS = SceneNumbers("nose", 4.0, 0.6, 2.0, 0.2)
 NAMES = ("membrane, 1 element", "membrane, 3 elements", "resolved yarns")
@@ -21,10 +21,11 @@ def compare(monkeypatch):
     """Judge the runs of FOUND beside the advice of a like scene in which a model was enough; None: no scene is like."""
 
     def judged(advised):
-        like = advised and KnownScene("the like one", NUMBERS, advised, "resolved yarns", 1.5, 0.2)
+        like = KnownScene("the like one", NUMBERS, "resolved yarns", {}, {})
+        advice = advised and Advice(advised, like, None, 2)
         monkeypatch.setattr(models, "_fire", lambda name, *scene: FOUND[name])
         monkeypatch.setattr(models, "_describe", lambda *scene: NUMBERS)
-        monkeypatch.setattr(models.model_choice, "find_nearest", lambda numbers: like)
+        monkeypatch.setattr(models.model_choice, "find_advice", lambda numbers: advice)
         return models.compare(models=NAMES, velocities=[90.0, 95.0], at="60 us", fabric="S-728")
 
     return judged

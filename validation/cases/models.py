@@ -30,7 +30,6 @@ OF_A_PATCH = {
     "resolved yarns": "yarns",
     "woven solids": "solids",
 }
-NEAR = 5.0  # [%]
 
 
 def compare(
@@ -79,7 +78,7 @@ def compare(
         if name != models[-1]:
             known[name] = 100 * float(np.hypot(error, scatter)) / richest[0]
         cpu[name] = seconds
-    near = [name for name in models if off[name] + known[name] <= NEAR]
+    near = [name for name in models if off[name] + known[name] <= model_choice.NEAR]
     cheapest = min(near, key=cpu.__getitem__)
     numbers = _describe(scene, velocities, friction, patch)
     return {
@@ -91,15 +90,15 @@ def compare(
         "off_of_cheapest": off[cheapest],
         "cost_over_richest": cpu[cheapest] / cpu[models[-1]],
         **vars(numbers),
-        **_judge_advice(model_choice.find_nearest(numbers), near, cheapest, off, cpu),
+        **_judge_advice(model_choice.find_advice(numbers), near, cheapest, off, cpu),
     }
 
 
-def _judge_advice(like, near, cheapest, off, cpu):
-    """What the scene that `impact --check` finds for this one (None: it says that none is like it) advises, beside what
-    the runs show: its name, the model that was enough there, and a verdict. "hit" is the cheapest model within NEAR,
-    "dearer" another one within NEAR, "miss" one that is not."""
-    if like is None:
+def _judge_advice(advice, near, cheapest, off, cpu):
+    """What `impact --check` advises for a scene (None: none is like it), beside what the runs show: the nearest
+    scene, the model, and a verdict. "hit" is the cheapest model within NEAR, "dearer" another one within NEAR,
+    "miss" one that is not."""
+    if advice is None:
         return {
             "like": "",
             "advised": "",
@@ -107,7 +106,7 @@ def _judge_advice(like, near, cheapest, off, cpu):
             "off_of_advised": nan,
             "cost_of_advised": nan,
         }
-    advised = like.cheapest
+    advised = advice.model
     if advised == cheapest:
         verdict = "hit"
     elif advised in near:
@@ -115,7 +114,7 @@ def _judge_advice(like, near, cheapest, off, cpu):
     else:
         verdict = "miss"
     return {
-        "like": like.name,
+        "like": advice.like.name,
         "advised": advised,
         "verdict": verdict,
         "off_of_advised": off[advised],
