@@ -1059,7 +1059,7 @@ def draw_pairs(pyplot):
 
 @case(pictures_uncertainty.draw_interval)
 def draw_interval(pyplot):
-    """A ring is a stop; of a limit its ends are drawn, and of a run without a value nothing. Its title is the answer."""
+    """A ring is a stop; a limit has its ends drawn, and a run without a value nothing. The title is the answer."""
     bracket = {"lower_m_s": 71.0, "upper_m_s": 78.0}
     rows = [("gap", "stopped", 0.0, {}), ("crossover", "perforated", 61.5, {})]
     rows += [("yarn", "single limit", 74.5, bracket), ("beside", "unstable", None, {})]
