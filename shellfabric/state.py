@@ -447,6 +447,7 @@ class State(Row, kept=True):
         "elements, points, 3", "N", "last friction force of each contact point; likewise"
     )
     slip_force = array("n", "N", "force on the slipping nodes along their axis at the last step")
+    slip_push = array("n", "N", "the part of it that other plies exert")
     boundary_work = total("J", "work of the boundary on prescribed nodes so far")
     clamp_friction_work = total("J", "work of clamp friction so far")
     gripped_kinetic_energy = total("J", "kinetic energy of gripped nodes")

@@ -17,7 +17,6 @@ from shellfabric.loop.ply_kernels import begin as begin_ply
 from shellfabric.loop.ply_kernels import (
     break_yarns,
     meet_nose,
-    move_edges,
     other_forces,
     place_surface,
     touch,
@@ -30,6 +29,7 @@ from shellfabric.loop.stack_kernels import (
     fly,
     implicit_nose_contact,
     internal_work,
+    move_edges,
     note,
     press_plies,
     wakes,
@@ -95,7 +95,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
                 place_surface(state, const, several)
                 # an implicit spring of the nose has to know the pushes of the other plies first
                 stack.waits_for_plies[p] = touch(state, const, work)
-            move_edges(state, const)
+            state.steps += 1
             if several:
                 mark_torn(state, const, contact, p)
                 update_displacements(state, const, contact, p)
@@ -109,6 +109,7 @@ def advance(states, consts, contact, stack, works, history, shared, me, count, a
                 add_guard_work(states, consts, contact, True)
             reason = note(states, consts, stack, history[made])
             finish_parts(states, consts, stack)
+            move_edges(states, consts, contact)
             made += 1
             now = internal_work(states, contact)
             exchanged += abs(now - before)

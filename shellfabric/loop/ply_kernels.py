@@ -212,14 +212,6 @@ def finish_parts(state, const):
             call_phase(parts.after[m], parts.own[m], state, const)
 
 
-@kernel(_nrt=False, inline="always")
-def move_edges(state, const):
-    """Count the step; move the nodes that slip in a clamp or are pulled."""
-    state.steps += 1
-    if const.slip_node.size > 0:
-        boundary_kernels.update_slip_nodes(state, const, state.steps * const.dt)
-
-
 @kernel(_nrt=False)
 def internal_work(state):
     """Sum the work [J] done so far on yarns, their viscosity and the contact with the nose."""

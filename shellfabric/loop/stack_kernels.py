@@ -14,7 +14,8 @@ from shellfabric.jit.barrier import barrier_wait
 from shellfabric.jit.compile import call_flight, kernel
 from shellfabric.jit.table import row_of
 from shellfabric.loop import ply_kernels
-from shellfabric.plies.frame_kernels import apply_impulses, collect_forces
+from shellfabric.membrane.boundary_kernels import update_slip_nodes
+from shellfabric.plies.frame_kernels import BEFORE, BEHIND, apply_impulses, collect_forces
 from shellfabric.plies.near_kernels import list_contact_pairs
 from shellfabric.plies.pack_guard_kernels import force_without_nose
 from shellfabric.plies.pressure_kernels import press, press_others
@@ -257,6 +258,24 @@ def finish_parts(states, consts, stack):
     for p in range(len(states)):
         if stack.awake[p]:
             ply_kernels.finish_parts(row_of(states, p), row_of(consts, p))
+
+
+@kernel(_nrt=False)
+def move_edges(states, consts, contact):
+    """Set the velocities of the nodes of all plies that slip in a clamp or are pulled, once all
+    forces on them are known and have done their work of this step."""
+    for p in range(len(states)):
+        const = row_of(consts, p)
+        if const.slip_node.size == 0:
+            continue
+        state = row_of(states, p)
+        if len(states) > 1:
+            for m in range(const.slip_node.size):
+                k = const.slip_node[m]
+                c = const.slip_axis[m]
+                before = contact.pressure.force[p, BEFORE, c, k]
+                state.slip_push[m] = before + contact.pressure.force[p, BEHIND, c, k]
+        update_slip_nodes(state, const, state.steps * const.dt)
 
 
 @kernel(_nrt=False)

@@ -208,6 +208,7 @@ def undeformed(panel: PanelGrid, const: Constants, strike_velocity: float) -> St
     found["steps"][...] = AT_REST
     found["contact_window"][:] = const.window_limits
     found["slip_force"] = np.zeros(const.slip_node.size)
+    found["slip_push"] = np.zeros(const.slip_node.size)
     found["parts"] = make_table(panel.make_parts(), panel.sides is not None)
     return State(**found)
 

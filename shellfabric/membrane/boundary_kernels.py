@@ -2,17 +2,18 @@
 friction.
 
 Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for
-the next; being without inverse mass it takes no other. f is the force of the fabric on it along the
-yarn, v its velocity.
+the next; being without inverse mass it takes no other. f is the force on it along the yarn, v its
+velocity. The force is that of the fabric and of all that touches it, nose, block and other plies:
+these book their work on it, so it has to take their impulse.
 
     prescribed  u = pull-in x (t - start) / (end - start), from 0 to the whole of it
     gripped     Coulomb's law without regularisation: the clamp takes of m v + dt f what it can, dt F at most, and the
                 node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it
                 while it slips
 
-The energy audit gets the work of the fabric on prescribed nodes, that on the grips, and the kinetic
-energy of gripped nodes, all in the form in which central differences balance them: forces at whole
-steps over the motion between.
+The energy audit gets the work of these forces on prescribed nodes, that on the grips, and the
+kinetic energy of gripped nodes, all in the form in which central differences balance them: forces at
+whole steps over the motion between.
 """
 
 from shellfabric.jit.compile import kernel
@@ -27,8 +28,8 @@ def slip_fraction(time, start, end):
 
 @unit(later=True, time="number")
 def update_slip_nodes(state, const, time):
-    """Set the velocities of the slipping nodes for the step that begins at `time` [s]; add up the
-    work of the last."""
+    """Set the velocities of the slipping nodes for the step that begins at `time` [s], by forces at
+    that time; add up the work of the last step."""
     kinetic = 0.0
     for m in range(const.slip_node.size):
         k = const.slip_node[m]
@@ -38,7 +39,10 @@ def update_slip_nodes(state, const, time):
         end = const.slip_end[m]
         grip = const.slip_grip[m]
         mass = const.slip_mass[m]
-        force = state.f_int[c][k] + state.f_int_above[c][k]
+        force = state.f_int[c][k] + state.f_int_above[c][k] + state.f_contact[c][k]
+        force += state.slip_push[m]
+        if const.has_backing:
+            force += state.f_block_cloth[c][k]
         before = state.v[c][k]
         if grip > 0.0:
             free = before + const.dt * force / mass

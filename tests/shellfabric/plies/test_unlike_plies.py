@@ -13,6 +13,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.loop import ply_audit
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import edges, quality
+from shellfabric.membrane.boundary import Grip, PullIn
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies import frame_kernels
 from shellfabric.plies.model import Pack, PlyContact
@@ -69,6 +70,25 @@ def test_front_and_rear_can_be_exchanged(unlike):
     backward, _ = press(unlike[1::-1], 0, closure)
     assert backward[0, 1] == pytest.approx(forward[0, 1], rel=0.02)
     assert forward[0, 1] < 0
+
+
+SLIPPING = [
+    pytest.param((Grip(6.0), Grip(11.0)), id="grips"),
+    pytest.param(
+        (PullIn(0.4e-3, 4e-6, 22e-6, 16e-3), (Grip(7.0), "clamped")), id="pulled and gripped"
+    ),
+]
+
+
+@pytest.mark.parametrize("boundary", SLIPPING)
+def test_yarn_ends_that_slip_take_what_other_plies_push_them_by(unlike, boundary):
+    """The contact between plies books its work on them, so energy balances only if they move by it."""
+    plies = tuple(replace(ply, boundary=boundary) for ply in unlike)
+    solver = PackSolver(Pack(plies, GAPS, friction=0.3), 200.0, 30e-6).run()
+    pushes = [abs(state.slip_push).max() for state in solver.states]
+    assert min(pushes) > 0.1
+    assert solver.ply_sample("pull_in")[-1].min() > 1e-4
+    assert abs(solver.sample("error")).max() < 1e-3 * solver.strike_energy
 
 
 def test_places_at_rest_are_apart_by_mean_thickness_and_gap(unlike):
