@@ -8,6 +8,7 @@ dolfinx.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ _CLOTH_DEPTH = 1e-3
 _VIEWER = np.array([0.55, -1.4, 0.95])
 # [m] distance of the camera, larger than any panel; a parallel projection does not depend on it
 _DISTANCE = 2.0
+_MARGIN = 1.04  # of the height in which a panel is seen whole
 
 
 def panel(
@@ -51,9 +53,7 @@ def panel(
 
     from weavecell.report.pictures_mesh import plotter
 
-    viewer = _VIEWER / np.linalg.norm(_VIEWER)
-    if front:
-        viewer = viewer * [1, 1, -1]
+    viewer = _toward_viewer(front)
     scene = plotter(SIZE, "three lights")
     try:
         fabric = colour_grid(grid, strength, mirrors)
@@ -72,6 +72,32 @@ def panel(
         return scene.screenshot(return_img=True)
     finally:
         scene.close()
+
+
+def _toward_viewer(front):
+    """Direction from the panel to the viewer, who stands before or behind it."""
+    viewer = _VIEWER / np.linalg.norm(_VIEWER)
+    return viewer * [1, 1, -1] if front else viewer
+
+
+def reach(
+    nodes: FloatArray,
+    mirrors: Sequence[bool],
+    centre: Sequence[float] | FloatArray,
+    *,
+    front: bool = False,
+) -> float:
+    """Compute the least half height [m] of a picture of `panel` in which nodes (n, 3) [m] and their
+    images in the planes of symmetry are seen; parameters as there."""
+    viewer = _toward_viewer(front)
+    right = np.cross((0.0, 0.0, 1.0), viewer)
+    right /= np.linalg.norm(right)
+    up = np.cross(viewer, right) * SIZE[0] / SIZE[1]
+    found = 0.0
+    for signs in product(*((1, -1) if mirrored else (1,) for mirrored in mirrors)):
+        apart = nodes * [*signs, 1] - np.asarray(centre)
+        found = max(found, float(np.abs(apart @ np.stack([right, up], axis=1)).max()))
+    return _MARGIN * found * SIZE[1] / SIZE[0]
 
 
 def colour_grid(grid: Any, strength: FloatArray, mirrors: Sequence[bool]) -> Any:

@@ -129,3 +129,26 @@ def test_without_a_block_nothing_is_drawn(tmp_path):
     assert Cut(0.0, 0.0, ()).face_line.size == 0
     vtk.write_faces(tmp_path, [])
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("front", [False, True])
+def test_a_picture_holds_whole_fabric_however_far_it_goes(struck, front, monkeypatch):
+    """The last ply thrown 40 mm out of a panel of 30 mm, to either side: nothing is cut off by the edge of the picture,
+    and one side is nearly reached; torn fabric leaves it."""
+    record = ImpactRecord.from_result(struck, "thrown", "Kevlar")
+    nodes = record.final[-1].nodes * [1, 1, 0]
+    nodes[:, 2] = 0.04 * np.exp(-(nodes[:, 0] ** 2) / 6e-3**2 - nodes[:, 1] ** 2 / 9e-3**2)
+    nodes[:, 2] += record.z_rest[-1]
+    final = *record.final[:-1], replace(record.final[-1], nodes=nodes)
+    thrown = replace(
+        record, final=final, backing=None, outcome="stopped" if front else "perforated"
+    )
+    assert thrown.seen_from_front is front
+    for cut, whole in ((0.0, True), (1.0, False)):
+        monkeypatch.setattr(ImpactRecord, "cut_yarns", np.array([0.0, cut]))
+        image = view.ViewedShot(thrown, []).image(vtk.panel(final, record.quads), struck.time[-1])
+        drawn = np.argwhere((image < 250).any(axis=-1))
+        margins = [*drawn.min(axis=0), *(np.array(image.shape[:2]) - 1 - drawn.max(axis=0))]
+        assert bool(min(margins) > 0) is whole
+        if whole:
+            assert min(margins) < 0.05 * image.shape[0]

@@ -95,6 +95,13 @@ class ViewedShot:
         body = self.body(grid, t)
         half_height = 0.37 * width
         centre = (0.0, 0.0, 0.02 * width)
+        # whole fabric that goes far is seen whole; what is torn off is left to fly out of the picture
+        if not near and not self.record.cut_yarns[-1]:
+            nodes = np.concatenate([shape.nodes for shape in self.record.rear])
+            front = self.record.seen_from_front
+            half_height = max(
+                half_height, pictures3d.reach(nodes, self.mirrors, centre, front=front)
+            )
         if near:
             half_height = min(half_height, _NEAR * 0.5 * float(np.ptp(body[..., 0])))
             centre = (*self.record.nose_place(t), float(body[..., 2].max()))
