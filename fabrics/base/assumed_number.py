@@ -40,3 +40,10 @@ class Assumed(float):
 def is_assumed(number: float | None) -> bool:
     """Return whether a number is assumed, and not one of the user's own."""
     return isinstance(number, Assumed)
+
+
+def least(number: float) -> float:
+    """Return the low end of the range of a number that is assumed; any other number itself."""
+    if isinstance(number, Assumed):
+        return number.low
+    return float(number)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base.assumed_number import least
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.block import coupling
 from shellfabric.guards import ENERGY_ERROR_LIMIT, speed_limit
@@ -241,9 +242,12 @@ class PackSolver(ExplicitSolver):
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
         found += dent_checks.indicators(self)
         if self.reason == STOPPED and not self.replaces_membrane:
+            plies, velocity = self.pack.plies, self.strike_velocity
+            smooth = friction_of_plies(plies, velocity, least(self.panel.projectile.friction))
             found += quality.judge_friction(
-                friction_of_plies(self.pack.plies, self.strike_velocity),
+                friction_of_plies(plies, velocity),
                 self.panel.friction_between_yarns,
+                smooth and smooth[1],
             )
         return tuple(found)
 

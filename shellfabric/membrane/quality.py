@@ -339,7 +339,9 @@ def indicator(name: str, value: float) -> Indicator:
     return CHECKS[name].judge(value)
 
 
-def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[Indicator]:
+def judge_friction(
+    needed: tuple[float, float] | None, friction: float, smooth: float | None = None
+) -> list[Indicator]:
     """Return the indicator of the friction that holds yarns, beside that which they have: doubtful
     unless this is above the range; [] without a range.
 
@@ -347,6 +349,8 @@ def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[
     ----------
     needed : (low, high) [-] of `yarns.holding`
     friction : [-] between yarns
+    smooth : [-] `high` with the least friction that the nose may have, where that is assumed: it is
+        noted if it is above theirs
     """
     if needed is None:
         return []
@@ -356,6 +360,9 @@ def judge_friction(needed: tuple[float, float] | None, friction: float) -> list[
     # noted before it is doubtful, of slippery yarns too
     assert found.note is not None
     note = min(1.0, friction / found.limit) * found.note
+    if smooth is not None and smooth > high:
+        words += f"; up to {smooth:.2g} under a smoother nose, as its assumed friction allows"
+        note = min(note, friction * high / smooth)
     meaning = f"{found.meaning}; {words}"
     return [replace(found, limit=friction, note=note, meaning=meaning)]
 

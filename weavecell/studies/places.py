@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fabrics.assumed import friction_between_yarns
+from fabrics.base.assumed_number import least
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from shellfabric.membrane.grid import SYMMETRIES
@@ -84,8 +85,9 @@ def choose_places(setup: ImpactSetup, velocity: float) -> Places:
     across = shot.radius / min(setup.fabric.weave.w)
     zone = setup.crossovers
     assert zone is not None
-    lowest = min((zone.friction, *zone.friction_range))
-    needed = friction_of_plies(setup.plain_panels(), velocity)
+    lowest = least(zone.friction)
+    # the smoothest nose pushes yarns aside most
+    needed = friction_of_plies(setup.plain_panels(), velocity, least(shot.friction))
     if needed is not None and lowest >= needed[1]:
         why = f"a friction of {lowest:g} holds the yarns at {velocity:.4g} m/s, which ask for {needed[1]:.2g}"
     elif across > 2 * WIDEST:

@@ -41,6 +41,17 @@ def resolved(fabric="S-728", velocity=130.0, **keywords):
             "a friction of 0.6 holds the yarns at 130 m/s",
         ),
         ({"crossovers": "yarns", "crossover_friction": 0.2}, (CROSSOVER, GAP), ""),
+        # less is enough under a nose that is known to be rough; one that may have no friction asks for more
+        ({"crossovers": "yarns", "crossover_friction": 0.22}, (CROSSOVER, GAP), ""),
+        (
+            {
+                "crossovers": "yarns",
+                "crossover_friction": 0.22,
+                "projectile": SPHERE | {"friction": 0.1},
+            },
+            (CROSSOVER,),
+            "a friction of 0.22 holds the yarns at 130 m/s",
+        ),
     ],
 )
 def test_the_places_follow_from_nose_fabric_plies_and_friction(keywords, listed, why):
