@@ -9,7 +9,7 @@ from typing import Any
 from fabrics.base.checks import FilePath, positive
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
-from shellfabric.impact.attempts import Attempt
+from shellfabric.impact.attempts import Attempt, RimWatch, Superseded
 from shellfabric.impact.result import ImpactResult, collect_result
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop import checkpoint, histories
@@ -85,7 +85,7 @@ def run_impact(
     Parameters
     ----------
     setup : ImpactSetup
-    hooks : called as hook(solver) after every audit
+    hooks : called as hook(solver) after every audit, of a run that ends since another follows too
     resume : path of a checkpoint of the same set-up to go on from; the result is that of the
         uninterrupted run, bit for bit
     table : CellTable that a set-up of the same cell has filled, or None
@@ -105,8 +105,11 @@ def run_impact(
         solver = _make_solver(setup, made)
     kept = tuple(hooks)
     while True:
-        result = _run_recorded(setup, solver, attempt, kept)
-        following = attempt.follow(solver)
+        try:
+            result = _run_recorded(setup, solver, attempt, (RimWatch(attempt), *kept))
+            following = attempt.follow(solver)
+        except Superseded as ended:
+            following = ended.following
         if following is None:
             return result
         attempt = following

@@ -135,8 +135,7 @@ class ResolvedYarns(Part):
         nodes past the next ply, see Part."""
         checks = []
         if self.panel.resolved.width < inf:
-            slip = slip_at_rim(self.zone, self.panel.patch.rest[0])
-            checks.append(quality.indicator("slip at the rim", slip))
+            checks.append(quality.indicator("slip at the rim", self.slip_at_rim))
             checks.append(quality.indicator("cut outside the zone", self.cut_outside()))
         width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
         checks = [replace(found, meaning=f"{found.meaning}; {width}") for found in checks]
@@ -145,6 +144,13 @@ class ResolvedYarns(Part):
             share = self.zone.most_past / np.count_nonzero(self.zone.node_share)
             checks.append(quality.indicator("yarns past the next ply", share))
         return tuple(checks)
+
+    @property
+    def slip_at_rim(self) -> float:
+        """[crossings] `slip_at_rim` of the zone; 0 where it is the whole panel."""
+        if self.panel.resolved.width == inf:
+            return 0.0
+        return slip_at_rim(self.zone, self.panel.patch.rest[0])
 
     def cut_outside(self) -> float:
         """Return the share [-] of the cut yarns of the ply that are whole in the zone: pinned yarns
@@ -167,13 +173,12 @@ def slip_at_rim(zone: Zone, rest: FloatArray) -> float:
     """Find the longest way [crossings] of a whole yarn through a crossing of the rows beside the
     pinned ones, from the indices at `rest`. A cut yarn is drawn out at any width of the zone."""
     row = RIM_ROWS
-    slip = slipped(zone, rest)
-    beside = [slip[-row - 1], slip[:, -row - 1]]
+    beside: list[Any] = [-row - 1, (slice(None), -row - 1)]
     if zone.mirror_first[1] < 0:
-        beside.append(slip[row])
+        beside.append(row)
     if zone.mirror_first[0] < 0:
-        beside.append(slip[:, row])
-    return float(max(part.max() for part in beside))
+        beside.append((slice(None), row))
+    return float(max(slipped(zone, rest, at).max() for at in beside))
 
 
 def shadow_slots(zone: Zone) -> IntArray:

@@ -30,7 +30,7 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
-from shellfabric.impact.attempts import Attempt
+from shellfabric.impact.attempts import Attempt, RimWatch, Superseded
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.driver import STOPPED
 from shellfabric.loop.pack_solver import PackSolver
@@ -453,15 +453,18 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
             if lost[0] == lost[-1]:
                 solver.reason = STOPPED
 
-    def shot_at(target):
-        solver = PackSolver(target, velocity, UNDECIDED, interval=_AUDIT)
+    def shoot_once(attempt):
+        solver = PackSolver(attempt.target, velocity, UNDECIDED, interval=_AUDIT)
         solver.stack.after_stop = 0.0
-        return solver.run((hook,))
+        return solver.run((RimWatch(attempt), hook))
 
     attempt = Attempt(Pack.of(panel))
     while True:
-        solver = shot_at(attempt.target)
-        following = attempt.follow(solver)
+        try:
+            solver = shoot_once(attempt)
+            following = attempt.follow(solver)
+        except Superseded as ended:
+            following = ended.following
         if following is None:
             break
         attempt = following

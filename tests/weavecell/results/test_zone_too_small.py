@@ -60,6 +60,44 @@ def test_a_shot_of_a_search_that_draws_in_yarn_through_the_rim_is_fired_again():
     assert any(line.startswith(note) for line in wc.impact(setup, check=True).lines())
 
 
+def fire(setup, **others):
+    """The result of a set-up, and how long each of its runs went on [s]."""
+    times = {}
+
+    def hook(solver):
+        times[id(solver.pack)] = solver.time
+
+    found = run_impact(setup, hooks=[hook], **others)
+    return found, list(times.values())
+
+
+def test_a_run_whose_yarn_has_slipped_through_the_rim_ends_when_the_nose_is_slow(monkeypatch):
+    """What counts is the run with all yarns, to the bit, whether the one before it goes on to its end or not."""
+    setup = wc.setup("S-720", "105 m/s", **SLIPS)
+    found, (cut_short, counted) = fire(setup)
+    assert 0.0 < cut_short < 0.75 * counted
+    assert "(a yarn slipped by 0." in found.widened
+    monkeypatch.setattr("shellfabric.impact.attempts.SLOWED", -1.0)
+    whole, (to_its_end, same) = fire(setup)
+    assert to_its_end > 0.9 * counted
+    assert same == counted
+    np.testing.assert_array_equal(found.step_history, whole.step_history)
+    np.testing.assert_array_equal(found.peaks, whole.peaks)
+    assert all(
+        np.array_equal(found.energies[name], whole.energies[name]) for name in found.energies
+    )
+
+
+def test_a_run_that_none_can_follow_goes_on_with_its_doubt():
+    """Its zone was given."""
+    setup = wc.setup("S-720", "105 m/s", **SLIPS)
+    given = replace(setup, crossovers=replace(setup.crossovers, half_width=20e-3))
+    found, (time,) = fire(given)
+    assert found.outcome == "stopped"
+    assert time == pytest.approx(found.time[-1])
+    assert any(check.name == "slip at the rim" and check.doubtful for check in found.checks)
+
+
 def ended(step_loss=0.0, **checks):
     """What a run says when it has ended: its loss to the step, and checks of its zone."""
     values = {name.replace("_", " "): value for name, value in checks.items()}
