@@ -10,7 +10,9 @@ ENERGY_ERROR_LIMIT = 0.02  # share of the strike energy by which the energy bala
 SPEED_FACTOR = 10.0
 # of the strike energy lost to the length of the steps: beyond, a run is made again
 MOST_STEP_LOSS = 0.004
-SHORTER_STEP = 0.7  # step of that second run over that of the first; the loss falls with its square
+# step of that second run over that of the first, the longest that is short enough: the loss falls with its square, a
+# little less where cut yarns whip
+SHORTER_STEPS = 0.7, 0.5
 ENERGY_GAIN_LIMIT = 0.01  # share of the strike energy that a contact may seem to have given
 
 

@@ -56,7 +56,7 @@ class Attempt:
     def follow(self, solver: Any) -> Attempt | None:
         """Return the run that has to follow one that has ended; None if its result counts."""
         if self.step_factor == 1.0 and solver.step_loss > guards.MOST_STEP_LOSS:
-            return self.shorten()
+            return self.shorten(shorter_step(solver.step_loss))
         return self.widen_by(solver.part_indicators)
 
     def widen_by(self, checks: Iterable[Indicator]) -> Attempt | None:
@@ -66,9 +66,8 @@ class Attempt:
             return None
         return self.widen(", ".join(TOO_SMALL[check.name].format(check.value) for check in doubts))
 
-    def shorten(self) -> Attempt:
-        """Return the run with a shorter step."""
-        factor = guards.SHORTER_STEP
+    def shorten(self, factor: float) -> Attempt:
+        """Return the run with its step times a factor."""
         return replace(self, target=self.target.at_shorter_step(factor), step_factor=factor)
 
     def widen(self, reasons: str = "") -> Attempt | None:
@@ -104,18 +103,29 @@ class Attempt:
     def possible(self) -> list[Attempt]:
         """List this run and all that may follow it."""
         wider = self.widen()
-        found = [self, self.shorten()]
+        found = [self, *map(self.shorten, guards.SHORTER_STEPS)]
         if wider is not None:
-            found += [wider, wider.shorten()]
+            found += [wider, *map(wider.shorten, guards.SHORTER_STEPS)]
         return found
 
     def list_series(self) -> list[list[Attempt]]:
         """List each series of runs that `follow` may make of this one, to its end."""
-        _, shorter, *with_all = self.possible()
-        if not with_all:
-            return [[self], [self, shorter]]
-        wider, both = with_all
-        return [[self], [self, shorter], [self, wider], [self, shorter, both], [self, wider, both]]
+        count = len(guards.SHORTER_STEPS)
+        _, *runs = self.possible()
+        series = [[self], *([self, shorter] for shorter in runs[:count])]
+        if len(runs) == count:
+            return series
+        wider, *both = runs[count:]
+        series.append([self, wider])
+        for shorter, last in zip(runs, both):
+            series += [[self, shorter, last], [self, wider, last]]
+        return series
+
+
+def shorter_step(loss: float) -> float:
+    """Return the step over that of a run that has lost a share `loss` [-] to its length, of the run that follows."""
+    enough = (f for f in guards.SHORTER_STEPS if f * f * loss <= guards.MOST_STEP_LOSS)
+    return next(enough, guards.SHORTER_STEPS[-1])
 
 
 class Superseded(Exception):

@@ -46,7 +46,7 @@ class ImpactData:
     backing : block.coupling.BackingResult, the block behind the fabric at the end, or None
     checks : tuple of Indicator
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
-    step_factor : [-] 0.7 of a run that was made again with a shorter step, else 1
+    step_factor : [-] 0.7 or 0.5 of a run that was made again with a shorter step, else 1
     widened : why a run was made again with all yarns resolved, else ""
     """
 

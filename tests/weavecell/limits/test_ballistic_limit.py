@@ -11,6 +11,7 @@ import pytest
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.yarn import striking_velocity
 from shellfabric import guards
+from shellfabric.impact.attempts import shorter_step
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.model import Pack
@@ -180,7 +181,7 @@ def test_a_shot_of_a_search_is_what_the_solver_computes(searched):
     plies, target, found, _, shots = searched
     solver = PackSolver(target, found.high, 5e-3, interval=10e-6).run()
     if solver.step_loss > guards.MOST_STEP_LOSS:  # then a shot is made again, as this one
-        shorter = target.at_shorter_step(guards.SHORTER_STEP)
+        shorter = target.at_shorter_step(shorter_step(solver.step_loss))
         solver = PackSolver(shorter, found.high, 5e-3, interval=10e-6).run()
     assert shots[1].residual_velocity == solver.residual_velocity
     assert shots[1].peak_tension == tuple(solver.peak_tensions[..., 0].max(axis=0))

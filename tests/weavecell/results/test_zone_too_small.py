@@ -111,6 +111,8 @@ def test_what_follows_a_run_is_a_shorter_step_or_all_yarns_once():
     assert first.follow(ended(slip_at_the_rim=0.14, cut_outside_the_zone=0.19)) is None
     shorter = first.follow(ended(0.005, cut_outside_the_zone=0.3))
     assert (shorter.step_factor, shorter.widened) == (0.7, "")
+    assert first.follow(ended(0.009)).step_factor == 0.5
+    assert first.follow(ended(0.03)).step_factor == 0.5
     both = shorter.follow(ended(0.005, cut_outside_the_zone=0.3))
     assert both.step_factor == 0.7
     assert "30% of the cut yarns" in both.widened
@@ -127,7 +129,9 @@ def test_what_follows_a_run_is_a_shorter_step_or_all_yarns_once():
 def test_the_series_of_runs_are_all_that_may_follow():
     """However each run ends: with a loss to its step, slip at its rim, both or neither."""
     setup = wc.setup("S-726", "80 m/s", **UNZIPS)
-    ends = [ended(loss, slip_at_the_rim=slip) for loss in (0.001, 0.005) for slip in (0.1, 0.2)]
+    ends = [
+        ended(loss, slip_at_the_rim=slip) for loss in (0.001, 0.005, 0.009) for slip in (0.1, 0.2)
+    ]
 
     def follow_all(runs):
         found = set()
