@@ -325,6 +325,10 @@ def stepped(
     peaks by some per cent and has nothing to do with the step. Here it is held, at the stiffness that `penalty` has at
     the Courant factor `soft`. Without viscosity crimped yarns ring, and their peaks are an extreme of chance: there an
     answer is the median over some `neighbours`, steps each 1 % of the longest apart, which is the one that counts.
+
+    Raises
+    ------
+    UnstableError : a run that loses energy in its steps, which `run_impact` makes again with a shorter one
     """
     own = dict(keywords.pop("unchecked", {}))
     steps = [cfl * (1 - 0.01 * n) for n in range(neighbours)]
@@ -332,6 +336,10 @@ def stepped(
         shot(unchecked=own | {"cfl": dt, "penalty": penalty * (dt / soft) ** 2}, **keywords)
         for dt in steps
     ]
+    shortened = [run["step_factor"] for run in runs if run["step_factor"] < 1.0]
+    if shortened:
+        # its answer is of another step than the one that is asked about
+        raise UnstableError(f"made again with {min(shortened):g} of the time step")
     peak = np.median([run["peak"] for run in runs], axis=0)
     velocity = median(float(run["v"][-1]) for run in runs)
     return runs[0] | {"peak": peak, "v": np.array([velocity]), "neighbours": neighbours}
