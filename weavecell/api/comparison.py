@@ -725,7 +725,7 @@ class ComparisonResult(OfTwoPanels):
         sections = []
         if self.assumed_range is not None:
             sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
-        cards = [Card("A against B", self.verdict, (self.finding.value,))]
+        cards = [Card("A against B", self.verdict, (self.headline[1],))]
         for name, result, density in zip(self.names, (self.a, self.b), self.areal_densities):
             of_one = Finding(name, f"{_value(result):.1f} m/s", result.doubts)
             lines = (f"{1e3 * density:.0f} g/m²", *result.lines()[:1])

@@ -13,6 +13,7 @@ from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions
 from weavecell.report import installed
 from weavecell.results import out_folder
+from weavecell.results.finding import Finding
 from weavecell.results.left_out import lines_of
 
 if TYPE_CHECKING:
@@ -53,6 +54,11 @@ class OfTwoPanels(DrawnResult):
     def title(self) -> str:
         """Of picture and page."""
         return " or ".join(self.names)
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        """What was compared, and what was found, in a few words."""
+        raise NotImplementedError
 
     @property
     def areal_densities(self) -> tuple[float, float]:
@@ -141,7 +147,7 @@ class OfTwoPanels(DrawnResult):
         shots = [chapters.describe_shot(panel.setup, panel.scene) for panel in self.targets]
         lead = " ".join(f"{side}: {shot}" for side, shot in zip("AB", shots))
         fabrics = {f.name: f for panel in self.targets for f in panel.setup.fabrics}
-        found = self.finding
+        found = Finding(*self.headline, self.doubts)
         banner = f"{found.label} {found.value}."
         content = (lead, [*fabrics.values()], cards, sections, stamp, seconds, found, banner)
         chapters.write(out, self.title, *content)
