@@ -43,10 +43,10 @@ def with_shear(setup, share):
 def test_a_coefficient_changed_by_a_millionth_is_found_on_another_processor(change, tool):
     """By the tolerance of another processor than the one that wrote the file, of one ply."""
     golden = tool("golden")
-    name = "impact-S-728-accuracy"
+    name = "impact-S-720-stops"
     kept = json.loads((golden.FOLDER / f"{name}.json").read_text())
     elsewhere = golden.tolerance(name, kept | {"machine": {"processor": "another"}})
-    setup = golden.setup(golden.EXAMPLES / "S-728-accuracy.toml")
+    setup = golden.setup(golden.EXAMPLES / "S-720-stops.toml")
     for share, found in ((1.0, False), (1 + 1e-6, True)):
         computed = golden.numbers(golden.run_shot(change(setup, share)))
         off = [
