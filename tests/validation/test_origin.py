@@ -1,5 +1,8 @@
 """The first line of a CSV: what made it, for each file of the documentation."""
 
+import re
+import subprocess
+
 import pytest
 
 from fabrics.base.errors import InputError
@@ -23,6 +26,34 @@ def test_every_file_says_what_made_it_or_that_it_is_history(path):
     if parts["date"] > RULE:
         assert origin.UNKNOWN not in made
         assert "changes" not in parts["commit"]
+
+
+def test_every_commit_that_a_file_names_is_in_the_history_of_this_checkout():
+    """A file that was made on a branch names a commit that no clone has, once the branch was rebased: it
+    then takes that with which it landed, `git log -1 FILE`."""
+    root = study.DATA.parents[2]
+    found = subprocess.run(
+        ["git", "-C", root, "rev-list", "HEAD"], capture_output=True, text=True, check=False
+    )
+    whole = subprocess.run(
+        ["git", "-C", root, "rev-parse", "--is-shallow-repository"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if found.returncode or whole.stdout.strip() != "false":
+        pytest.skip("no checkout with its history")
+    history = found.stdout.split()
+    lost = {}
+    for path in FILES:
+        made = study.read(path)[0]
+        commit = origin.read(made).get("commit", origin.UNKNOWN)
+        if not made.startswith(origin.HISTORY) and not commit.startswith(origin.UNKNOWN):
+            named = re.findall(r"\b[0-9a-f]{8,40}\b", commit)
+            gone = [one for one in named if not any(known.startswith(one) for known in history)]
+            if gone:
+                lost[path.name] = gone
+    assert lost == {}
 
 
 def test_pages_say_which_data_are_history():
