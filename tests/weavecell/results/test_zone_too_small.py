@@ -9,7 +9,7 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from shellfabric.impact.attempts import Attempt
+from shellfabric.impact.attempts import Attempt, RimWatch, Superseded
 from shellfabric.impact.run import run_impact
 from shellfabric.loop.checkpoint import Checkpoints
 from shellfabric.membrane import quality
@@ -86,6 +86,27 @@ def test_a_run_whose_yarn_has_slipped_through_the_rim_ends_when_the_nose_is_slow
     assert all(
         np.array_equal(found.energies[name], whole.energies[name]) for name in found.energies
     )
+
+
+@pytest.mark.parametrize(
+    ("velocity", "cut", "slip", "ends"),
+    [
+        (40.0, 0.0, 0.2, True),
+        (70.0, 0.0, 0.2, False),
+        (40.0, 1.0, 0.2, False),
+        (40.0, 0.0, 0.1, False),
+    ],
+)
+def test_the_watch_of_a_rim_ends_a_slow_whole_slipping_run_alone(velocity, cut, slip, ends):
+    """A torn run goes on: slack yarns slip, and whether the zone was too small is told by what is cut outside."""
+    last = {"v": [105.0, velocity], "cut_yarns": [0.0, cut]}
+    solver = SimpleNamespace(ended=False, sample=last.get, strike_velocity=105.0, slip_at_rim=slip)
+    watch = RimWatch(Attempt(wc.setup("S-720", "105 m/s", **SLIPS).target()))
+    if ends:
+        with pytest.raises(Superseded):
+            watch(solver)
+    else:
+        watch(solver)
 
 
 def test_a_run_that_none_can_follow_goes_on_with_its_doubt():
