@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fabrics.base.errors import InputError
 from validation import origin, stale, study
 from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
@@ -24,7 +25,7 @@ from weavecell.results import provenance
 
 NOTES = {
     "quick": "the cheap run of each row alone, at most 10 minutes on two cores; its files go to results/measured",
-    "only": "a part of the ids of the rows that are computed",
+    "only": "the id of the row that is computed, or a part of the ids of several",
     "known": "reason for which the rows are listed in validation/moved.csv as of earlier code; none is computed",
     "parts": "of crossover, ply, pack, backing, projectile, or stored: what is computed; all by default",
     "out": "folder of the CSVs; docs/reports/data by default",
@@ -55,10 +56,11 @@ def main(
         words += f' --only "{only}"'
     commit = provenance.stamp()["commit"]
     rows = read()
+    wanted = choose([row.id for row in rows], only)
     cases = {}
     for row in rows:
         pair = (None if quick else row.case, row.coarse_case)
-        if row.level in parts and only in row.id and any(pair):
+        if row.level in parts and row.id in wanted and any(pair):
             cases[row.id] = pair
     kept = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
     if known:
@@ -79,6 +81,21 @@ def main(
     if folder == study.DATA:
         study.write(AGAINST_TESTS, quantities, made)
         stale.write(stale.without_measured(cases, stale.read()))
+
+
+def choose(ids: Sequence[str], only: str) -> list[str]:
+    """Choose the id that a text is, or else all of which it is a part.
+
+    Raises
+    ------
+    InputError : it is part of none
+    """
+    if only in ids:
+        return [only]
+    found = [id for id in ids if only in id]
+    if not found:
+        raise InputError(key="only", value=only, allowed=f"part of one of {', '.join(ids)}")
+    return found
 
 
 def _ran(found, case, coarse, commit):

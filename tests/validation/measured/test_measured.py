@@ -6,8 +6,9 @@ from types import SimpleNamespace as Given
 import numpy as np
 import pytest
 
+from fabrics.base.errors import InputError
 from validation import stale, study
-from validation.measured import rows, statistics
+from validation.measured import command, rows, statistics
 
 KEPT = {row["id"]: row["coarse"] for row in study.read(study.DATA / "measured.csv")[1]}
 
@@ -63,6 +64,15 @@ COMPUTED = {
     "closure_below": (37.0, 0.0, 0.0),
     "closure_above": (19.0, 0.0, 0.0),
 }
+
+
+def test_a_row_is_chosen_by_its_id_and_several_by_a_part_of_theirs():
+    ids = ["pack, 9 mm", "pack, 9 mm, 300 mm", "ply"]
+    assert command.choose(ids, "pack, 9 mm") == ["pack, 9 mm"]
+    assert command.choose(ids, "9 mm") == ids[:2]
+    assert command.choose(ids, "") == ids
+    with pytest.raises(InputError, match=r"only = 'plies': must be part of one of pack, 9 mm, "):
+        command.choose(ids, "plies")
 
 
 def test_each_measure_is_what_its_name_says(monkeypatch):
