@@ -177,7 +177,7 @@ def front_page() -> str:
         packs_of_twaron(),
         [
             "tests: growth of V50, 2 to 8 plies",
-            f"{100 * (float(growth['bias']) - 1):.0f} % too large in a panel of 100 mm ({growth_in_larger_panels()})",
+            f"{100 * (float(growth['bias']) - 1):.0f} % too large in a panel of 100 mm ({growth_in_a_larger_panel()})",
             "**missed**",
         ],
         [
@@ -409,17 +409,12 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
 PAGES = [*MARKED, *(page for page in page_values.pages() if page not in MARKED)]
 
 
-def growth_in_larger_panels():
-    """How much too large the growth of V50 of S-728 is where the panel is larger; tests have 1.404."""
-    known = {(row["panel"], row["plies"]): row for row in table("panel-plies.csv")}
-    ratio = float(known["203 mm", "8"]["V50 [m/s]"]) / float(known["203 mm", "2"]["V50 [m/s]"])
+def growth_in_a_larger_panel():
+    """How much too large the growth of V50 of S-728 is in a panel of 203 mm."""
+    known = {row["plies"]: row for row in table("panel-plies.csv") if row["panel"] == "203 mm"}
+    ratio = float(known["8"]["V50 [m/s]"]) / float(known["2"]["V50 [m/s]"])
     tests = float(next(row for row in table("measured.csv") if row["id"] == FRAGMENTS)["measured"])
-    # eight plies in 381 mm were tried by few shots, between these velocities (docs/reports/packs.md)
-    two = float(known["381 mm", "2"]["V50 [m/s]"])
-    low, high = (100 * (velocity / two / tests - 1) for velocity in (381, 405))
-    return (
-        f"S-728: {100 * (ratio / tests - 1):.0f} % in 203 mm, {low:.0f} to {high:.0f} % in 381 mm"
-    )
+    return f"S-728: {100 * (ratio / tests - 1):.0f} % in 203 mm"
 
 
 FRAGMENTS = "Prosser, fragment simulator"
