@@ -59,12 +59,15 @@ def bracket(*, place: str, low: float, high: float, share: float = 0.25, **keywo
             low = middle
     ends = [fired[friction] for friction in (low, high) if friction in fired]
     doubts = {name for end in ends for name in intervals.find_doubts(end)}
+    left = nan
+    if low in fired:
+        left = fired[low]["residual_velocity_m_s"]
     warp, weft = pinned.fabric.weave.yarns
     return {
         "velocity": pinned.strike_velocity,
         "passes": low,
         "stops": high,
-        "left": fired[low]["residual_velocity_m_s"] if low in fired else nan,
+        "left": left,
         "shots": len(fired),
         "error": max(shot["energy_error_max"] for shot in fired.values()),
         "doubts": ", ".join(sorted(doubts)),
