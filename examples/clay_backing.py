@@ -5,7 +5,7 @@ Dent in clay behind a pack
 Four plies of S-728 on a block of Roma Plastilina No. 1, struck by the 1.10 g fragment simulator at 150 m/s. It prints
 the back-face signature, or how deep the dent has been if the block still moves, and draws its section. The block is
 small, 80 x 80 x 40 mm: the held fabric lies on its face, and the run says so. Most data of clay are assumed
-(``weavecell show "Roma Plastilina No. 1"``). About 10 s.
+(``weavecell show "Roma Plastilina No. 1"``). About 20 s.
 Run with ``python examples/clay_backing.py``.
 """
 
@@ -16,7 +16,7 @@ import weavecell as wc
 clay = {
     "material": "Roma Plastilina No. 1",
     "size": ["80 mm", "80 mm", "40 mm"],
-    "min_size": "2 mm",
+    "min_size": "1 mm",
 }
 shot = wc.impact(
     "S-728",
