@@ -238,9 +238,11 @@ def fits(row: dict[str, str], where: str) -> bool:
 
 
 def is_meant(value: str, wanted: str) -> bool:
-    """Say whether a value is the one wanted, begins with it, or lies between two numbers."""
-    if wanted.endswith("*"):
-        return value.startswith(wanted[:-1])
+    """Say whether a value is the one wanted, begins and ends as it does about a *, or lies between
+    two numbers."""
+    begin, star, end = wanted.partition("*")
+    if star:
+        return value.startswith(begin) and value.endswith(end)
     low, dots, high = wanted.partition("..")
     if dots:
         return float(low) <= float(value or "nan") <= float(high)
