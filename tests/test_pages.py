@@ -128,6 +128,9 @@ def made_up(tool, monkeypatch, tmp_path):
         ("mean noses[strike [m/s]=85..90] limit [m/s] : .1f", "85.0"),
         ("error noses[strike [m/s]=85..90] limit [m/s] : .1f", "45.0"),
         ("count noses[nose=o*] : d", "1"),
+        # c*e: cone, neither flat nor ogive
+        ("most noses[nose=c*e] limit [m/s] : .0f", "50"),
+        ("count noses[fabric=*20] : d", "3"),
         ("noses[nose=flat; fabric=S-728] fabric : s", "S-728"),
         ("code fabrics/data_sheet.toml over the value, ply_gap, high : .1f", "2.3"),
     ],
