@@ -5,7 +5,7 @@ A mark is a comment, since a forge shows directives and roles as text. A number:
     <!-- = panel-plies[panel=203 mm; plies=2] V50 [m/s] : .0f -->206<!-- / -->
 
 is the value of a column in the row of a file of docs/reports/data in which other columns have these values; one with
-a * begins and ends as told about it, 240..248 are the numbers between two. What stands in place of the column:
+a * begins and ends as is given about it, 240..248 are the numbers between two. What stands in place of the column:
 
     first column over second column             the ratio of two
     first column over [plies=8] second column   the second in another row
