@@ -85,3 +85,24 @@ def test_data_of_the_documentation_take_committed_code_alone(monkeypatch, tmp_pa
     with pytest.raises(InputError, match=r"validation/studies/new\.toml is not as committed"):
         runner.main(["pull-out-load"])
     origin.refuse_changes(tmp_path)
+
+
+def test_what_the_programs_write_themselves_is_no_change_of_code(monkeypatch, tmp_path):
+    """Each has its row after the other, in one checkout; a file of the code beside them is a change."""
+    for name in (*origin.WRITTEN, "validation/cases/shot.py", "fabrics/sheet.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("1\n")
+    for words in (
+        ["init", "-q"],
+        ["add", "."],
+        ["-c", "user.name=a", "-c", "user.email=a", "commit", "-qm", "b"],
+    ):
+        subprocess.run(["git", "-C", tmp_path, *words], check=True)
+    monkeypatch.setattr(origin, "ROOT", tmp_path)
+    for name in origin.WRITTEN:
+        (tmp_path / name).write_text("2\n")
+    assert origin.changes() == []
+    assert "changes" not in origin.commit()
+    (tmp_path / "validation/cases/shot.py").write_text("2\n")
+    assert origin.changes() == ["validation/cases/shot.py"]
+    assert origin.commit().endswith(" + changes")

@@ -21,7 +21,6 @@ from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
 from validation.values import Values, compute_each
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
-from weavecell.results import provenance
 
 NOTES = {
     "quick": "the cheap run of each row alone, at most 10 minutes on two cores; its files go to results/measured",
@@ -45,7 +44,12 @@ def main(
     out: Path | None = None,
     known: str = "",
 ) -> None:
-    """Compute the rows of measured.csv, and write them with their summary; or list them as old."""
+    """Compute the rows of measured.csv, and write them with their summary; or list them as old.
+
+    Raises
+    ------
+    InputError : rows for the documentation by code that is not as committed
+    """
     folder = out or study.DATA
     if quick:
         folder = out or KEPT
@@ -54,7 +58,6 @@ def main(
     words = f"measured {' '.join(parts)}"
     if only:
         words += f' --only "{only}"'
-    commit = provenance.stamp()["commit"]
     rows = read()
     wanted = choose([row.id for row in rows], only)
     cases = {}
@@ -68,6 +71,8 @@ def main(
         old = {id: value for id, value in values.items() if value}
         stale.write(stale.with_measured(old, known, stale.read()))
         return
+    origin.refuse_changes(folder)
+    commit = origin.commit()
     found = compute_each(compute, filter(None, chain(*cases.values())), **options)
     for id, pair in cases.items():
         kept[id] = _ran(found, *pair, commit)
