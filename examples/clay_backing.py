@@ -33,7 +33,8 @@ if signature is None:
     # a signature is read of a block at rest; the dent is still growing or springing back
     deepest = shot.summary()["deepest_dent_mm"]
     print(f"the block still moves: its dent has been {deepest:.1f} mm deep")
-    print('for the dent at rest give the block a time after the stop: "after_stop": "3 ms"')
+    print('for the dent at rest give the block a time after the stop, "after_stop": "3 ms"')
+    print("(it takes many minutes: the clamped fabric goes on with it)")
 else:
     print(f"back-face signature {signature:.1f} mm")
 
