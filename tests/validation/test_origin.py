@@ -88,7 +88,7 @@ def test_data_of_the_documentation_take_committed_code_alone(monkeypatch, tmp_pa
 
 
 def test_what_the_programs_write_themselves_is_no_change_of_code(monkeypatch, tmp_path):
-    """Each has its row after the other, in one checkout; a file of the code beside them is a change."""
+    """Rows are computed one after another in one checkout; a changed file of the code still counts."""
     for name in (*origin.WRITTEN, "validation/cases/shot.py", "fabrics/sheet.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("1\n")
