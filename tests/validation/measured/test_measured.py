@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError
-from validation import stale, study
+from validation import origin, stale, study
 from validation.measured import command, rows, statistics
 
 KEPT = {row["id"]: row["coarse"] for row in study.read(study.DATA / "measured.csv")[1]}
@@ -130,3 +130,10 @@ def test_the_coarse_run_is_as_stored(row):
         KEPT[row.id] if isinstance(value, str) else pytest.approx(float(KEPT[row.id]), rel=0.02)
     )
     assert error < 0.02
+
+
+def test_rows_of_the_documentation_take_committed_code_alone(monkeypatch):
+    monkeypatch.setattr(origin, "changes", lambda: ["fabrics/new.py"])
+    monkeypatch.setattr(command, "compute_each", lambda *_, **__: pytest.fail("it computed"))
+    with pytest.raises(InputError, match=r"fabrics/new\.py is not as committed"):
+        command.main(["crossover"], only="S-720 areal density")
