@@ -254,7 +254,8 @@ class Constants(Row):
         "1 for each direction in which the projectile may move, 0 across a plane of symmetry",
     )
     perforation_delay_steps = integer(
-        "-", "steps without contact and with no fabric ahead, after which the panel is perforated"
+        "-",
+        "steps with next to no contact and with no fabric ahead, after which the panel is perforated",
     )
     nose = row(Nose, "shape of the projectile")
     frame = array("3, 3", "-", "axes of the projectile's frame as rows; the last is its axis")
@@ -518,7 +519,8 @@ class Stack(Row, kept=True):
         "whether its implicit nose contact is evaluated after the contact of plies in this step",
     )
     steps = tally("-", "steps made")
-    idle_steps = tally("-", "of these the last without contact and without fabric ahead")
+    idle_steps = tally("-", "of these the last without whole yarns ahead, since the last look")
+    idle_push = total("N", "sum over them of the contact force against the flight")
     stop_step = tally(
         "-", "steps up to the stop of the projectile where the run goes on after it, else 0"
     )

@@ -34,7 +34,7 @@ Result = TypeVar("Result")
 Hook: TypeAlias = Callable[[Any], object]
 
 # why a kernel ends its steps; as the step kernels have it
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(5)
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK, LOOK = range(6)
 OUTCOMES = {RUNNING: "in flight", STOPPED: "stopped", PERFORATED: "perforated"}
 # of the strike energy that may be exchanged from one check of the energy to the next
 ENERGY_CHECK_SHARE = 0.05
@@ -152,7 +152,7 @@ class ExplicitSolver:
 
         Returns
         -------
-        steps made, and why no more were: RUNNING, STOPPED, PERFORATED, NOT_FINITE or CHECK
+        steps made, and why no more were: RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK or LOOK
         """
         raise NotImplementedError
 
@@ -179,6 +179,10 @@ class ExplicitSolver:
 
     def sampled(self) -> None:
         """Do what a model does after a sample that the guards have passed."""
+
+    def look(self) -> int:
+        """Tell whether a run is over that the kernels take for one that may be: PERFORATED or RUNNING."""
+        return PERFORATED
 
     def guard_model(self) -> None:
         """Check the guards of the model's own."""
@@ -321,6 +325,10 @@ class ExplicitSolver:
                     steps, self.reason = self.advance(history[made:])
                 made += steps
                 self._start_workers()
+                if self.reason == LOOK:
+                    self.reason = self.look()
+                    if self.reason == RUNNING:
+                        continue
                 if self.reason != CHECK:
                     break
                 self.reason = RUNNING

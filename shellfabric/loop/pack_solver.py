@@ -25,7 +25,7 @@ from shellfabric.loop.driver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.membrane import edges, quality
 from shellfabric.membrane.indicator import Indicator
 from shellfabric.membrane.model import Panel
-from shellfabric.membrane.perforation import held, passed
+from shellfabric.membrane.perforation import held, nothing_ahead, passed
 from shellfabric.metal import body as metal
 from shellfabric.parts import make_table, parts_of
 from shellfabric.plies import near_kernels
@@ -96,8 +96,6 @@ class PackSolver(ExplicitSolver):
     snapshots : list of tuples of Snapshot, one a ply, where a hook takes them
     measure, histories : what a histories.Recorder records, where there is one, and its rows
     monitor : quality.Monitor, what the quality indicators need besides the result
-    perforated_samples : in a row, that found no held fabric ahead of the nose; the second ends the
-        run
     alone_from : [s] from which on a part goes on alone, and plies and projectile stay as they are;
         NaN where none does
     alone_for : [s] for which it has
@@ -108,7 +106,7 @@ class PackSolver(ExplicitSolver):
         memory holds
     """
 
-    counters = (*ExplicitSolver.counters, "perforated_samples", "alone_from", "alone_for")
+    counters = (*ExplicitSolver.counters, "alone_from", "alone_for")
     module = "shellfabric.impact.run"  # whose code determines a run
 
     def __init__(
@@ -206,7 +204,6 @@ class PackSolver(ExplicitSolver):
         self.ply_samples = []
         self.history_request = None
         self.histories = []
-        self.perforated_samples = 0
         self.alone_from = np.nan
         self.alone_for = 0.0
         # the forces at rest
@@ -505,8 +502,7 @@ class PackSolver(ExplicitSolver):
         return f"ply {part + 1}, {place}"
 
     def sampled(self) -> None:
-        """Sample the quality indicators, and end a run in which only cut-out fabric is left ahead
-        of the nose.
+        """Sample the quality indicators, and end a run that has gone on after the stop.
 
         The guard makes its lists anew, as a run does that is resumed here: they have an order.
         """
@@ -523,20 +519,16 @@ class PackSolver(ExplicitSolver):
             self.reason = STOPPED
         elif turned and not self.fabric_ended and self._part_has_left():
             self.alone_from = self.time
-        failed = any(state.failures for state in self.states)
-        meets_parts = any(part.meets_nose for part, _ in self._all_parts())
-        if self.reason != RUNNING or not failed or meets_parts:
-            return
-        through = all(
-            passed(state, const, held_elements)
-            for (_, const, state), held_elements in zip(self.plies, self._held)
-        )
-        if through:
-            self.perforated_samples += 1
-        else:
-            self.perforated_samples = 0
-        if self.perforated_samples == 2:
-            self.reason = PERFORATED
+
+    def look(self) -> int:
+        """Tell whether only cut-out fabric is left ahead of the nose, and none before a block, see
+        ExplicitSolver. The kernels ask by a clock of their own: samples do not move the end of a run."""
+        clear = passed
+        if any(part.meets_nose for part, _ in self._all_parts()):
+            clear = nothing_ahead
+        if all(clear(state, const) for _, const, state in self.plies):
+            return PERFORATED
+        return RUNNING
 
     def _count_past(self):
         """Count the nodes of resolved yarns that are past the next ply, at every EVERY-th sample."""

@@ -26,9 +26,10 @@ from shellfabric.surface.grid_kernels import grid_of, place_ghosts, turned, turn
 from shellfabric.surface.nodal_force_kernels import give_impulses
 from shellfabric.surface.vector_kernels import nodal, scaled
 
-RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK = range(
-    5
-)  # CHECK: energy is to be audited before the next step
+# CHECK: energy is to be audited before the next step; LOOK: whether the nose has passed all held fabric
+RUNNING, STOPPED, PERFORATED, NOT_FINITE, CHECK, LOOK = range(6)
+# of its energy that the contact could take from the nose over a diameter: less counts as no push
+FAINT = 0.01
 
 
 @kernel(_nrt=False, forceinline=True)
@@ -228,28 +229,30 @@ def note(states, consts, stack, row):
         return RUNNING
     if speed <= 0.0:
         return STOPPED
-    # perforated: yarns have failed, nothing pushes, and nothing that is held is left in front, for
-    # a while; resolved yarns need not fail, the nose may have pushed them aside
+    # perforated: yarns have failed, no whole one is ahead, and what still rubs cannot hold the nose:
+    # flanks touch yarns that were pushed aside as long as there is a flank, cut ones ride on the nose.
+    # Resolved yarns need not fail, the nose may have pushed them aside
     failed = False
-    pushed = False
+    ahead = False
     for p in range(len(states)):
         state = row_of(states, p)
         failed |= stack.ply_failures[p] > 0 or state.parts.replaces_membrane
-        pushed |= stack.f_contact_nose[p, 2] != 0.0 or state.f_block_nose[2] != 0.0
-        pushed |= state.yarns_ahead > 0
-    idle = failed and not pushed
-    if idle:
-        for p in range(len(states)):
-            if window_kernels.cloth_ahead_of_nose(row_of(states, p), row_of(consts, p)):
-                idle = False
-                break
-    if idle:
-        stack.idle_steps += 1
-    else:
+        ahead |= state.yarns_ahead > 0 or state.f_block_nose[2] != 0.0
+    if ahead or not failed:
         stack.idle_steps = 0
-    if stack.idle_steps >= const.perforation_delay_steps:
-        return PERFORATED
-    return RUNNING
+        stack.idle_push = 0.0
+        return RUNNING
+    stack.idle_steps += 1
+    stack.idle_push -= force
+    if stack.idle_steps < const.perforation_delay_steps:
+        return RUNNING
+    push = stack.idle_push / stack.idle_steps
+    stack.idle_steps = 0
+    stack.idle_push = 0.0
+    energy = 0.5 * const.projectile_mass * speed * speed
+    if push * const.body_depth > FAINT * energy:
+        return RUNNING
+    return LOOK
 
 
 @kernel(_nrt=False)

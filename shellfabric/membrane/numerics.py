@@ -120,7 +120,7 @@ class Numerics(NumericsKeys):
         them
     erosion_gap : length over that at rest at which the gap left by failed yarns of one family takes
         its element out of contact (thesis section 4.3.3): two neighbours' worth
-    clear_time : [s] without a push and with nothing ahead, after which the panel counts as
+    clear_time : [s] with next to no push and with nothing ahead, after which the panel counts as
         perforated
     block : elements worked on together, six rows at least: more share the cost of a block and of
         the rows about it, fewer keep its scratch in cache

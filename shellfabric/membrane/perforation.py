@@ -1,10 +1,10 @@
 """Perforation test: fabric that no intact yarn joins to the boundary (a plug) is not ahead of the
 nose.
 
-The kernels call a panel perforated when nothing pushes and nothing is left ahead of the nose.
-Cut-out fabric can stay there for good, ridden by the projectile or faster than it, so that the
-solver tests the connection at its audits: nodes that unbroken yarn joins to an edge of the panel
-are held, and the elements between them; the rest is a plug, and does not count.
+The kernels ask whether a panel is perforated when yarns have failed and next to nothing pushes.
+Cut-out fabric can stay ahead of the nose for good, ridden by the projectile or faster than it, so that
+the connection counts: nodes that unbroken yarn joins to an edge of the panel are held, and the
+elements between them; the rest is a plug, and does not count.
 """
 
 from __future__ import annotations
@@ -52,3 +52,8 @@ def passed(state: State, const: Constants, held_elements: BoolArray | None = Non
     flag = state.element_flag.copy()
     by_element(flag, const)[~held_elements] |= ERODED
     return not cloth_ahead_of_nose(state._replace(element_flag=flag), const)
+
+
+def nothing_ahead(state: State, const: Constants) -> bool:
+    """Tell whether no element at all is ahead of the nose, not even a plug: a block behind it bears one."""
+    return not cloth_ahead_of_nose(state, const)

@@ -38,7 +38,6 @@ class ResolvedYarns(Part):
     energy = ENERGIES[0]
     forces = coupling_kernels.yarn_forces
     nose = coupling_kernels.march_zone
-    meets_nose = True
 
     def __init__(self, panel: Any) -> None:
         self.panel = panel

@@ -1,5 +1,7 @@
 """Cut-out fabric that stays before the projectile does not keep it from having perforated."""
 
+from math import inf
+
 import numpy as np
 import pytest
 from conftest_tools import grid
@@ -11,8 +13,10 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import perforation
 from shellfabric.membrane.numerics import Numerics
+from shellfabric.projectile.projectile import Projectile
 from shellfabric.projectile.window_kernels import erode
 from shellfabric.state import ERODED
+from shellfabric.yarns.model import YarnZone, aim
 
 
 def cut(panel, state, low, high, intact=0.0):
@@ -66,6 +70,31 @@ def test_a_plug_that_flies_ahead():
     assert march.outcome == "perforated"
     assert march.time < 150e-6
     assert march.sample("v")[-1] > 100
+
+
+def test_samples_do_not_move_the_end():
+    """A shot ends by its own clock: to the last bit with three intervals."""
+    panel = ImpactSetup(catalogue.load("S-728"), 1.0, opening=0.04, table_size=101).panel()
+    runs = [PackSolver(panel, 170.0, 2e-4, interval=us * 1e-6).run() for us in (0.5, 2, 10)]
+    assert {run.outcome for run in runs} == {"perforated"}
+    assert len({(run.steps, run.sample("v")[-1]) for run in runs}) == 1
+
+
+def test_a_shank_that_pushed_yarns_aside_ends():
+    """Yarns that were pushed aside rub an endless cylinder for ever: that is no push."""
+    setup = ImpactSetup(
+        catalogue.load("S-728"),
+        1.0,
+        opening=0.05,
+        symmetry="whole",
+        impact_point=aim(catalogue.load("S-728").weave),
+        projectile=Projectile(friction=0.1),
+        crossovers=YarnZone(inf, 0.2),
+    )
+    march = PackSolver(setup.target(), 46.25, 1e-3, interval=1e-5).run()
+    assert march.outcome == "perforated"
+    assert march.time < 250e-6
+    assert march.contact_force[-1] != 0
 
 
 @pytest.mark.parametrize("opened, eroded", [(2.35, False), (2.45, True)])
