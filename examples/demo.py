@@ -5,7 +5,7 @@ From yarn data to impact
 One ply of S-720, 203 mm square and clamped, struck by a flat-nosed cylinder of 3 g and 5.5 mm, with the compression law
 that is fitted to the fabric's own 3D crossover and with the published one. The projectile is rigid; one that is an
 elastic-plastic bar is stopped at 155 m/s (examples/S-720-bar.toml). Each shot is that of ``weavecell impact
-examples/S-720-stops.toml --no-interval`` at its velocity and with its law; then it answers over the frictions that
+examples/S-720-stops.toml`` at its velocity and with its law; then it answers over the frictions that
 nobody gave, with resolved yarns, as that command does by default. It takes about a minute of two cores. Run with
 ``python examples/demo.py [FOLDER [MESH]]``; the mesh of the 3D crossover is coarse unless another is named.
 """
@@ -21,10 +21,10 @@ from pathlib import Path
 
 import weavecell as wc
 from fabrics.compression import CompressionLaw
-from weavecell.report import chapters, chapters_interval, page
+from weavecell.report import chapters, page
 from weavecell.report.shot import chapters_shot, moving, view
 from weavecell.results import provenance
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 
 TARGETS = {
     "92.5 m/s": ("stopped", "thesis Figure 5-4"),
@@ -77,11 +77,11 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
     setups = [wc.setup(used, velocity, law=laws[law], **OPTIONS) for velocity, law in cases]
     with part("four impacts"):
         shots = wc.sweep(setups)
-    with part("answers over what nobody knows"):
+    with part("drawn shots"):
         answers = {}
         for (velocity, law), setup in zip(cases, setups):
             if law == "published law":
-                answers[velocity] = wc.impact(setup, interval=True).interval
+                answers[velocity] = wc.impact(setup, draws=4).draws
     with part("files of the impacts"):
         for (velocity, law), shot in zip(cases, shots):
             folder = shot.to_vtk(out / f"{velocity.split()[0]}-{law.split()[0]}").parent
@@ -118,7 +118,7 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
             moving.section(first, moving.collect_instants(first, first.instants)),
             chapters_shot.chapter(first, view.still(first)),
             chapters.comparison(rows),
-            chapters_interval.describe(next(iter(answers.values()))),
+            chapters_shot.describe_draws(next(iter(answers.values()))),
             chapters.mesh(
                 solved.mesh.words(), (out / "calibration" / "crossover.png").read_bytes()
             ),
@@ -127,34 +127,25 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
             chapters_shot.mesh(first, setups[0]),
             chapters_shot.assumptions(setups[0], shots[0].assumed, body=first.rigid_check),
         )
-        cards = (
-            chapters_shot.card(first),
-            *(
-                chapters_shot.card(record).with_doubts(chapters_shot.find(record))
-                for record in records[1:]
-            ),
-            chapters.law_card(solved.law, laws["published law"], "fitted"),
-        )
-        title = "S-720: 3D crossover, calibration, impact"
         mesh = f"{size} mesh, {distance(solved.law)}"
         said = __doc__.split("\n\n")[1].partition(" It takes")[0].replace("``", "")
         lead = said + f" The 3D crossover: {mesh}."
         outcome = " ".join(f"{record.title}: {record.outcome}." for record in records)
         doubts = dict.fromkeys(doubt for result in (solved, *shots) for doubt in result.doubts)
-        found = Finding("first shot", first.outcome, tuple(doubts), first.outcome)
-        settings = chapters_shot.settings(setups[0])
-        report = chapters.report(
-            title, lead, (used,), cards, sections, stamp, times, found, outcome, (settings,)
+        found = Answer(
+            "S-720: 3D crossover, calibration, impact", outcome, tuple(doubts), first.outcome
         )
+        settings = chapters_shot.settings(setups[0])
+        report = chapters.report(lead, (used,), sections, stamp, times, found, (settings,))
         page.write(report, out / "report.html")
         page.write_pictures(sections, out / "pictures")
-    print(f"S-720, compression law of its 3D crossover ({mesh}):", *cards[-1].lines, sep="\n  ")
+    print(f"S-720, compression law of its 3D crossover ({mesh}): {solved.answer.value}")
     print("One ply, 203 mm, struck by a flat cylinder of 3 g:")
     for (velocity, _), record, shot in zip(cases, records, shots):
         outcome, source = TARGETS[velocity]
         left = f"{shot.outcome}, residual velocity {shot.residual_velocity:.4g} m/s"
         print(f"  {record.title}: {left} ({source}: {outcome})")
-    print("Over what nobody knows, with the published law:")
+    print("Over what nobody gave, with the published law:")
     for velocity, answer in answers.items():
         print(f"  {velocity}: {answer.words()}")
     print(f"report: {out / 'report.html'}")

@@ -3,11 +3,11 @@
 from math import nan
 
 import pytest
+from weavecell.studies.interval import SHOT, Interval, Run
 
 from shellfabric.membrane import quality
 from validation.cases import intervals
 from weavecell.studies import sweep
-from weavecell.studies.interval import SHOT, Interval, Run
 from weavecell.studies.places import CROSSOVER, GAP, Places
 
 RIM = quality.indicator("slip at the rim", 0.31)

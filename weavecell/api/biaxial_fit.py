@@ -35,7 +35,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed
 from weavecell.results import display, json_file, out_folder
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 from weavecell.results.named_value import NamedValue
 from weavecell.scenes import curves
 
@@ -279,10 +279,10 @@ class BiaxialFitResult(Result):
         return found
 
     @property
-    def finding(self) -> Finding:
+    def _found(self) -> Answer:
         """What was found, with what is doubtful of it."""
         texts = [f"{name} {constant.text()}" for name, constant in self._list_constants()]
-        return Finding("Fitted to biaxial tests", ", ".join(texts), self.doubts)
+        return self._find_answer(f"{self.fabric.name}, fitted to biaxial tests", ", ".join(texts))
 
     def _what(self):
         return self.title
@@ -416,12 +416,10 @@ class BiaxialFitResult(Result):
                 "The unit cell of the fabric at the strains of measured tests: constants are fitted to the chosen "
                 "tests, the others are predicted."
             )
-            own = self.given.laws
-            card = chapters.law_card(self.law, own and own[0], "fitted to biaxial tests")
             sections = (section, checks.section(self.checks))
             seconds = {"fit": self.wall_time}
-            of_page = (lead, (self.fabric,), (card,), sections, stamp, seconds, self.finding)
-            chapters.write(folder, self.title, *of_page)
+            of_page = (lead, (self.fabric,), sections, stamp, seconds, self._found)
+            chapters.write(folder, *of_page)
         # law.json comes last: a folder that has it is complete
         self.law.to_json(folder / "law.json")
 

@@ -32,7 +32,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_surface
 from weavecell.results import json_file, out_folder, progress
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 from weavecell.scenes import build
 from weavecell.studies.energy_map import map_energy
 
@@ -274,13 +274,13 @@ class BiaxialResult(Result):
         return (*found, *crossover_checks.of_paths(self.solved.values()))
 
     @property
-    def finding(self) -> Finding:
+    def _found(self) -> Answer:
         """What was found, with what is doubtful of it."""
         ends = [
             f"strains {text} to {_pair(end['tension'], '.1f')} N ({end['failed']} at its strength)"
             for text, end in self.ends.items()
         ]
-        return Finding("Biaxial response", "; ".join(ends), self.doubts)
+        return self._find_answer(f"{self.fabric.name}, biaxial response", "; ".join(ends))
 
     @cached_property
     def energy_map(self) -> EnergyMap:
@@ -365,16 +365,14 @@ class BiaxialResult(Result):
             return
         section = self._section()
         page.write_pictures([section], folder / "pictures")
-        title = f"{self.fabric.name}: biaxial response"
         lead = (
             "One crossover, stretched in both directions at fixed ratios of strains until its first yarn is at its "
             "strength."
         )
-        card = chapters.law_card(self.model.used_laws[0], source=self.source)
         seconds = {"all": self.seconds}
         sections = (section, checks.section(self.checks))
-        of_page = (lead, (self.fabric,), (card,), sections, stamp, seconds, self.finding)
-        chapters.write(folder, title, *of_page)
+        of_page = (lead, (self.fabric,), sections, stamp, seconds, self._found)
+        chapters.write(folder, *of_page)
 
     def _section(self):
         from weavecell.report import chapters

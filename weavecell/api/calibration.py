@@ -42,7 +42,7 @@ from weavecell.api.keywords import explain_keywords
 from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.results import display, json_file, out_folder, progress
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 from weavecell.results.named_value import NamedValue, tabulate
 
 if TYPE_CHECKING:
@@ -510,10 +510,25 @@ class CalibrationResult(Result):
         return (*found, *(f"{end} end of the assumed range missing" for end in self.failed))
 
     @property
-    def finding(self) -> Finding:
-        """What was found, with what is doubtful of it."""
-        a, b, _ = _name_constants(self.law.a, self.law.b)
-        return Finding("Compression law", f"{a.line()}, {b.line()}", self.doubts)
+    def answer(self) -> Answer:
+        """The law, and whether to use it."""
+        law = self.law
+        a, b, _ = _name_constants(law.a, law.b)
+        ends = _name_constants(law.a_interval, law.b_interval)
+        value = "; ".join(
+            f"{one.line()} ({' to '.join(end.ends())})" if law.a_interval else one.line()
+            for one, end in zip((a, b), ends)
+        )
+        rms = display.text(law.residual_rms or 0, "fine m", ".2f")
+        over = f"{counted(len(self._stretched), 'path')} of the 3D crossover, {self._forces}, missed by {rms} rms"
+        bad = (*self._judge_law(), *law.outside_ends())
+        use = "weavecell impact with fabric.law = law.json"
+        advice = (
+            ("measure the compression of the fabric: calibrate --platen-curve",) if bad else ()
+        ) + (use,)
+        return self._find_answer(
+            f"{self.fabric.name}, compression law of the yarns", value, advice=advice, over=over
+        )
 
     def _judge_law(self):
         """A line about each constant of the law that is not plausible."""
@@ -719,13 +734,10 @@ class CalibrationResult(Result):
         )
         if done.friction:
             lead += f" Coulomb friction between the yarns: {done.friction:g}."
-        title = f"{fabric.name}: compression law from the 3D crossover"
-        card = chapters.law_card(done.law, done.published, "fitted to the 3D crossover")
         picture = (folder / "crossover.png").read_bytes()
         of_mesh = chapters.mesh(self.mesh.words(), picture)
         sections = (*self.sections(), of_mesh, checks.section(self.checks))
-        of_page = (lead, (fabric,), (card,), sections, stamp, done.seconds, self.finding)
-        chapters.write(folder, title, *of_page)
+        chapters.write(folder, lead, (fabric,), sections, stamp, done.seconds, self.answer)
         # law.json comes last: a folder that has it is complete
         replace(done, law=self.law).write(folder)
 

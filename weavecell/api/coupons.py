@@ -24,7 +24,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +51,6 @@ from weavecell.api.wording import Wording
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, result_folder, run_folder
-from weavecell.results.finding import Finding
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -586,29 +585,26 @@ class CouponResult(Result):
         )
 
     def _write_report(self, folder, section, stamp):
-        from weavecell.report import chapters, checks, page
+        from weavecell.report import chapters, checks
 
         case = self.case
         facts = self.record.facts
         colour = "stopped"
         if self.outcome == "unstable":
             colour = "unstable"
-        found = Finding(pictures_coupon.TESTS[facts["test"]], self.outcome, self.doubts, colour)
-        lines = [" ".join(line.split()) for line in self.list_found()]
-        card = page.Card(found.label, found.value, tuple(lines))
+        lines = tuple(" ".join(line.split()) for line in self.list_found())
+        found = self._find_answer(facts["title"], f"{self.outcome}, {lines[0]}", outcome=colour)
+        section = replace(section, points=lines)
         laws = {case.law_name: case.laws}
         cell = chapters.cell(case.fabric, laws, case.scene.fabric.cell_model)
         chapters.write(
             folder,
-            facts["title"],
             self._lead(),
             (case.fabric,),
-            (card, *chapters.law_cards(case)),
             (section, cell, checks.section(self.checks)),
             stamp,
             {"test": facts["wall_time_s"]},
             found,
-            f"{section.title}: {self.outcome}, {lines[0]}.",
         )
 
 

@@ -36,6 +36,7 @@ from weavecell.api.run_size import StudySize, WorkSize
 from weavecell.api.study_result import DrawnResult, StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
+from weavecell.results.finding import Answer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -319,11 +320,14 @@ class TestsBesideShots(StudyResult):
         return (*self.comparison.tests.doubts, *super().doubts)
 
     @property
-    def headline(self) -> tuple[str, str]:
-        return (
-            "Computed critical velocity",
-            f"{self.comparison.limit.velocity:.1f} m/s{self._format_difference()}",
+    def answer(self) -> Answer:
+        """The computed limit beside the V50 of the tests."""
+        comparison = self.comparison
+        value = f"computed limit {comparison.limit.velocity:.3g} m/s{self._format_difference()}"
+        over = (
+            f"outcome as tested in {comparison.agree} of {counted(len(comparison.table), 'shot')}"
         )
+        return self._find_answer(self.title, value, over=over)
 
     def _format_difference(self):
         """By how much the computed velocity differs from the V50 of the tests; "" without one."""

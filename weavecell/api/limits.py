@@ -7,15 +7,12 @@ The folder of `weavecell critical-velocity`
     critical-velocity.json   bracket, scan, zone of mixed outcomes if there is one, fit, shots,
                              provenance
     shots.csv                one row a shot, by strike velocity
-    interval.csv             the runs of the answer over what nobody knows (`api.intervals`), where it
-                             was asked for; the first is the one whose shots the other files have
     residual-velocity.svg    residual against strike velocity
     report.html              all of it on one page
 """
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,7 +31,7 @@ from fabrics.base.errors import (
 )
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.api import intervals, keywords, one_run, quantities
+from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
@@ -46,7 +43,8 @@ from weavecell.report import checks
 from weavecell.report.pictures_style import BLUE, GREEN, ORANGE, RED
 from weavecell.report.plot import Layer, Plot
 from weavecell.results import one_table, out_folder, progress
-from weavecell.results.left_out import SAMPLING, LeftOut, brief_words
+from weavecell.results.finding import Answer, Mover
+from weavecell.results.left_out import SAMPLING, LeftOut, say_nominal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,10 +52,8 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
-    from weavecell.report.page import Section
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.ballistic_limit import Limit, Shot
-    from weavecell.studies.interval import Interval, IntervalPlan
     from weavecell.studies.lambert_jonas import LambertJonas
     from weavecell.studies.limit_scan import ScanRange
     from weavecell.studies.pack_limit import PackV50
@@ -70,7 +66,6 @@ NO_LIMIT = "a panel whose yarns do not fail has no limit"
 NAMES = (
     "critical-velocity.json",
     "shots.csv",
-    intervals.TABLE,
     "residual-velocity.svg",
     *out_folder.INPUT,
     "report.html",
@@ -90,8 +85,6 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     only_mixed : whether it is scanned only where outcomes mix
     over : what is changed for the range over what is assumed; None without one
     assumed_range : as it was asked for; False where nothing is assumed
-    interval : IntervalPlan of the answer over what nobody knows, whose first run is the search at
-        `target`; None without one
     """
 
     files = NAMES
@@ -104,16 +97,6 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     only_mixed: bool
     over: Any
     assumed_range: bool | str
-    interval: IntervalPlan | None
-
-    @property
-    def pinned(self) -> Target:
-        """The target that is shot at first."""
-        from weavecell.studies import choice
-
-        if self.target.setup.instead is None:
-            return self.target
-        return replace(self.target, setup=choice.with_pinned(self.target.setup))
 
     @property
     def inputs(self) -> Sequence[object]:
@@ -134,52 +117,23 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
         searches = 1
         if self.over is not None:
             searches += ranges.searches(self.over)
-        panel = self.pinned
+        panel = self.target
         width = self.tolerance or limits.usual_tolerance(panel.setup.target())
-        size = StudySize.estimate(
+        return StudySize.estimate(
             panel.setup, panel.title, fired, searches, tolerance=width, scene=panel.scene
         )
-        if self.interval is not None:
-            return replace(size, beside=intervals.forecast_beside(self.interval, panel))
-        return size.with_choice(self.target.setup, fired, scene=panel.scene)
 
     def run(self, running: Running) -> CriticalVelocityResult:
-        """Search the limit, with the yarns that friction chooses, and what else the answer rests on."""
-        from weavecell.studies import assumed_range as ranges
-        from weavecell.studies import choice, sweep
-
-        panel = self.pinned
-        over = self.over
-        chosen = ""
-        study = self._search(panel, running)
-        if self.target.setup.instead is not None:
-            found = choice.choose_by_limit(self.target.setup, study.limit)
-            chosen = str(found)
-            if found.resolved:
-                panel = replace(panel, setup=choice.with_resolved(self.target.setup))
-                more = StudySize.estimate(panel.setup, panel.title, self.residual_shots, 1)
-                logging.getLogger("weavecell").info(f"{chosen}; {more.cost}")
-                study = self._search(panel, running)
-            over = ranges.with_ends(panel.setup, self.assumed_range)
+        """Search the limit, and its range over what is assumed."""
+        study = self._search(self.target, running)
         result = CriticalVelocityResult(
-            panel,
-            study.limit,
-            study.fit,
-            scan=study.scan,
-            wall_time=running.wall_time,
-            chosen=chosen,
+            self.target, study.limit, study.fit, scan=study.scan, wall_time=running.wall_time
         )
         running.save(result)
-        if self.interval is not None:
-            name = self.interval.first[0].name
-            logging.getLogger("weavecell").info(result.mark(f"{name}: {result.lines()[0]}"))
-            row = sweep.row_of_limit(study.limit, result.v50)
-            around = intervals.complete(self.interval, panel, row, **running.cache)
-            result = running.save(replace(result, interval=around))
-        if over is None:
+        if self.over is None:
             return result
-        say_before_range(result.mark(result.lines()[0]))
-        return running.save(replace(result, assumed_range=self._range(over, study, running)))
+        say_before_range(str(result.answer))
+        return running.save(replace(result, assumed_range=self._range(self.over, study, running)))
 
     def _search(self, panel, running):
         from weavecell.studies import limit as limits
@@ -222,7 +176,6 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
 def critical_velocity(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
-    interval: bool | Literal["open"] = False,
     tolerance: float | str | None = None,
     v50_shots: int | None = None,
     residual_shots: int | None = None,
@@ -260,13 +213,8 @@ def critical_velocity(
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
-    interval : answer over what nobody knows, with resolved yarns: the places by the nose that are
-        struck, and both ends of each friction that nobody gave, between yarns, on the nose and
-        between plies; or what decides. One to six searches, whose cost is told before; shots, fit
-        and V50 are of the first. Without this option a command does so where place or a friction is
-        open and resolved yarns can answer; in Python "open" does
     tolerance : largest difference between highest stop and lowest perforation [m/s]; if not given 1
-        m/s of one ply (with `interval` about 2 %), about 5 % of a pack
+        m/s of one ply, about 5 % of a pack
     v50_shots : shots 3 to 15 % above the bracket, of whose residual velocities V50 is made; if not
         given 8 of a pack that is not scanned, 0 of one ply
     residual_shots : shots from 3 % above the limit to twice the limit, for the Lambert-Jonas fit; if
@@ -284,8 +232,7 @@ def critical_velocity(
 
     Returns
     -------
-    CriticalVelocityResult; with `interval` its first line is the answer over all searches, and its
-    `interval` has them (`Interval.to_dataframe`)
+    CriticalVelocityResult
 
     Raises
     ------
@@ -300,7 +247,7 @@ def critical_velocity(
     (90.0, 'ok')
     """
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import choice, pack_limit, strengths
+    from weavecell.studies import pack_limit, strengths
     from weavecell.studies.limit_scan import ScanRange
 
     width = None
@@ -320,11 +267,7 @@ def critical_velocity(
         strengths.require_failure(panel.setup, NO_LIMIT)
     if width is not None:
         _refuse_wide(width, tolerance, panel.setup)
-    over_unknown = intervals.choose_interval(panel, "critical-velocity", interval, width)
-    if over_unknown is not None:
-        # one width for all searches, whose limits stand side by side
-        width = over_unknown.tolerance
-        panel = replace(panel, setup=over_unknown.shown)
+    panel = panel.nominal()
     pack = panel.setup.plies > 1
     if v50_shots is None:
         v50_shots = pack_limit.SHOTS if pack and scan is not True else 0
@@ -338,11 +281,6 @@ def critical_velocity(
     over = ranges.with_ends(panel.setup, assumed_range)
     if over is None:
         assumed_range = False
-    if panel.setup.instead is not None:
-        with panel.name_problems():
-            # what resolved yarns do not have is refused first
-            choice.with_resolved(panel.setup).target()
-        over = None
     if width is None and not pack:
         width = 1.0
     return LimitPlan(
@@ -354,7 +292,6 @@ def critical_velocity(
         scan is None,
         over,
         assumed_range,
-        over_unknown,
     )
 
 
@@ -394,10 +331,8 @@ class CriticalVelocityResult(StudyResult):
     limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
     assumed_range : AssumedRange of the critical velocity, or None
-    interval : Interval over what nobody knows, of whose first run the limit is, or None
     scan : ScanRange about the bracket that was scanned, or None
     wall_time : [s]
-    chosen : whether yarns are pinned or resolved, and why; "" where the input says it
 
     Examples
     --------
@@ -413,10 +348,8 @@ class CriticalVelocityResult(StudyResult):
     limit: Limit
     lambert_jonas: LambertJonas
     assumed_range: AssumedRange | None = None
-    interval: Interval | None = None
     scan: ScanRange | None = None
     wall_time: float = 0.0
-    chosen: str = ""
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -436,15 +369,12 @@ class CriticalVelocityResult(StudyResult):
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `StudyResult`; and the scan, if there was none."""
-        found = (*super().left_out, *self._of_one_run)
-        if self.interval is not None:
-            ranged = self.assumed_range is not None
-            found = intervals.leave_out(super().left_out, self.target, self.interval, ranged)
+        found = (*say_nominal(self.target.setup, "v50"), *super().left_out)
         if self.scan is not None or self.v50 is not None:
             return found
         way = option("scan")
         text = f"few outcomes beside the bracket were computed; {way} looks for mixed ones about it"
-        return (*found, LeftOut(SAMPLING, "", text))
+        return (*found, LeftOut(SAMPLING, "mixed outcomes", text, way))
 
     @property
     def critical_velocity(self) -> float | None:
@@ -494,26 +424,25 @@ class CriticalVelocityResult(StudyResult):
         and why."""
         return checks.judge_bracket(self.limit)
 
-    @cached_property
-    def _of_one_run(self):
-        """What the shots stand for that nobody gave (`one_run`)."""
-        unknown = one_run.find_unknown(self.target, "critical-velocity")
-        if unknown is None:
-            return ()
-        return (unknown,)
-
     @property
-    def headline(self) -> tuple[str, str]:
-        value = f"{self.limit.velocity:.1f} m/s"
-        if self.limit.mixed_zone is not None:
-            value = "mixed outcomes, {:.1f} to {:.1f} m/s".format(*self.limit.mixed_zone)
+    def answer(self) -> Answer:
+        """The limit over what its shots cover, and what moves it."""
+        from weavecell.studies import unknown
+
+        limit, around = self.limit, self.assumed_range
+        value = f"{limit.velocity:.3g} m/s, between {limit.low:.3g} and {limit.high:.3g}"
+        if limit.mixed_zone is not None:
+            value = "no single limit, outcomes mix from {:.3g} to {:.3g} m/s".format(
+                *limit.mixed_zone
+            )
         if self.v50 is not None:
             value = self.v50.words()
-        if self.interval is not None:
-            value = self.interval.words()
-        elif briefs := brief_words(self.left_out, self.chosen):
-            value += f" ({briefs})"
-        return "Critical velocity", value
+        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target)}"
+        moved: tuple[Mover, ...] = ()
+        if around is not None:
+            value += f"; over assumed data {around.span}"
+            moved += around.movers
+        return self._find_answer(self._name_shot("ballistic limit"), value, moved, over=over)
 
     def _what(self):
         return ": ".join((f"{self.target.title}, critical velocity", *self._doubt()))
@@ -524,8 +453,6 @@ class CriticalVelocityResult(StudyResult):
         ends: tuple[str, ...] = ()
         if self.bracket_checks != checks.OK:
             ends = ("the limit rests on a doubtful shot",)
-        if self.interval is not None:
-            ends += self.interval.doubts
         return (*ends, *super().doubts)
 
     def _doubt(self):
@@ -537,28 +464,10 @@ class CriticalVelocityResult(StudyResult):
     def summary(self) -> dict[str, Any]:
         """Return the entries of critical-velocity.json (docs/reference.md), but of the shots their
         number and the worst checks of all in words, and what is assumed."""
-        known = super().summary() | {"checks": self.checks_text}
-        if self.interval is None:
-            return known
-        return {"answer": self.interval.words()} | known
+        return {"answer": self.answer.value} | super().summary() | {"checks": self.checks_text}
 
     def _items(self):
         return self.shots
-
-    def _columns(self):
-        columns = dict(super()._columns())
-        if self.chosen:  # else the input says it
-            yarns = "pinned" if self.target.setup.crossovers is None else "resolved"
-            columns["yarns"] = [yarns] * len(self.shots)
-        return columns
-
-    def _own_chapters(self) -> list[Section]:
-        """The answer over what nobody knows, if there is one."""
-        if self.interval is None:
-            return []
-        from weavecell.report import chapters_interval
-
-        return [chapters_interval.describe(self.interval)]
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw residual against strike velocity [m/s], the bracket and the Lambert-Jonas curve."""
@@ -571,17 +480,14 @@ class CriticalVelocityResult(StudyResult):
             **one_table.facts(self, self.kind),
             "shots": one_table.records(self.shots, self.kind),
         }
-        content |= checks.summary(self.checks) | intervals.summarise(self.interval)
+        content |= checks.summary(self.checks)
         if self.assumed_range is not None:
             content["assumed_range"] = self.assumed_range.summary()
-        written = {
+        return {
             "critical-velocity.json": content,
             "shots.csv": self.to_csv(),
             "residual-velocity.svg": None,
         }
-        if self.interval is not None:
-            written[intervals.TABLE] = one_table.csv(self.interval.to_dataframe())
-        return written
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
@@ -611,12 +517,6 @@ class CriticalVelocityResult(StudyResult):
             way = option("v50_shots", "8")
             scatter = "the bracket is no error: shots of a pack scatter by some 2 %"
             lines.append(f"{scatter}; {way} gives V50 with its interval")
-        if self.interval is not None:
-            lines[0] = f"shown here: {lines[0].removeprefix(f'{self.title}: ')}"
-            answer = f"{self.title}: critical velocity {self.interval.words()}"
-            lines = [answer, *self.interval.lines(), *lines]
-        if self.chosen:
-            lines.append(self.chosen)
         if limit.widened:
             lines.append(limit.widened)
         lines += self._doubt()
@@ -659,8 +559,6 @@ def plot_of(found: CriticalVelocityResult) -> Plot:
     label = f"{name}\n{zone[0]:.1f} to {zone[1]:.1f} m/s"
     layers.append(Layer(label, zone, look={"color": ORANGE, "alpha": alpha, "lw": 1}))
     title = found.title
-    if found.interval is not None:
-        title += f", {found.interval.runs[0].name}"
     return Plot(
         title,
         x="strike_velocity_m_s",

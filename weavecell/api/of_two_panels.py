@@ -13,14 +13,13 @@ from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions
 from weavecell.report import installed
 from weavecell.results import out_folder
-from weavecell.results.finding import Finding
 from weavecell.results.left_out import lines_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.api.target import Target
-    from weavecell.report.page import Card, Section, Table
+    from weavecell.report.page import Section, Table
 
 # fields of a set-up that a comparison is about
 COMPARED = (
@@ -54,11 +53,6 @@ class OfTwoPanels(DrawnResult):
     def title(self) -> str:
         """Of picture and page."""
         return " or ".join(self.names)
-
-    @property
-    def headline(self) -> tuple[str, str]:
-        """What was compared, and what was found, in a few words."""
-        raise NotImplementedError
 
     @property
     def areal_densities(self) -> tuple[float, float]:
@@ -123,7 +117,6 @@ class OfTwoPanels(DrawnResult):
         self,
         out: Path,
         stamp: object,
-        cards: Sequence[Card],
         tables: Sequence[Table],
         more: Sequence[Section],
         points: Sequence[str],
@@ -133,7 +126,7 @@ class OfTwoPanels(DrawnResult):
 
         Parameters
         ----------
-        cards, tables : of both
+        tables : of both
         more : sections below the result
         points : lines that follow what is printed
         seconds : {what was computed: wall time}
@@ -142,12 +135,11 @@ class OfTwoPanels(DrawnResult):
 
         name = next(Path(file).stem for file in self.files() if file.endswith(".svg"))
         picture = pictures.draw_figure(name, "", self.draw)
-        lines = (*self.lines()[1:], *lines_of(self.left_out), *points)
-        sections = [page.Section("result", "A and B", "", (picture,), tuple(tables), lines), *more]
+        sections = [page.Section("result", "A and B", "", (), tuple(tables)), *more]
+        lines = (*self.lines(), *lines_of(self.left_out), *points)
+        sections.append(page.Section("remarks", "Remarks", points=lines, folded=True))
         shots = [chapters.describe_shot(panel.setup, panel.scene) for panel in self.targets]
         lead = " ".join(f"{side}: {shot}" for side, shot in zip("AB", shots))
         fabrics = {f.name: f for panel in self.targets for f in panel.setup.fabrics}
-        found = Finding(*self.headline, self.doubts)
-        banner = f"{found.label} {found.value}."
-        content = (lead, [*fabrics.values()], cards, sections, stamp, seconds, found, banner)
-        chapters.write(out, self.title, *content)
+        content = (lead, [*fabrics.values()], sections, stamp, seconds, self.answer, (), (picture,))
+        chapters.write(out, *content)

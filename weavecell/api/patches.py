@@ -31,6 +31,7 @@ from weavecell.api.study_result import DrawnResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.api.wording import Wording
 from weavecell.results import out_folder, progress
+from weavecell.results.finding import Answer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -169,7 +170,7 @@ class PatchResult(DrawnResult):
     Examples
     --------
     >>> alike = wc.patch("S-720", "60 m/s", duration="1 us")
-    >>> alike.answer.partition(":")[0], len(alike.to_dataframe())
+    >>> alike.verdict.partition(":")[0], len(alike.to_dataframe())
     ('crossovers may be pinned for this nose', 51)
     """
 
@@ -205,14 +206,19 @@ class PatchResult(DrawnResult):
         return small_patch.compare_until(self.struck)
 
     @property
-    def answer(self) -> str:
+    def verdict(self) -> str:
         """Whether crossovers may be pinned, in a sentence."""
         from weavecell.studies import small_patch
 
         return small_patch.judge(self.struck, self.patch.shot.strike_velocity)
 
+    @property
+    def answer(self) -> Answer:
+        """The verdict."""
+        return self._find_answer(self._title, self.verdict, over=f"{len(self.struck)} models")
+
     def summary(self) -> dict[str, Any]:
-        """Return the answer, and of each model what it came to."""
+        """Return the verdict, and of each model what it came to."""
         found = super().summary()
         for one in self.struck:
             found[f"{one.model}_velocity_m_s"] = one.velocity(self.until)
@@ -281,6 +287,6 @@ class PatchResult(DrawnResult):
                 lines.append(f"{WORDS[one.model]}: the first fibre fails at {at:.3g} us")
         (balance,) = self.checks
         lines.append(f"energy error at most {balance.value:.2%} of the strike energy")
-        lines.append(self.answer)
+        lines.append(self.verdict)
         laws = self._list_assumed_laws()
         return [*lines, *self.patch.zone.assumed_lines, *laws]

@@ -16,9 +16,10 @@ from fabrics.base.counted import counted
 from fabrics.base.door import in_terminal
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
+from shellfabric.membrane.indicator import NOTED
 from weavecell.api.user_warnings import warn_user
 from weavecell.results import display, finding, glossary, keys, one_table
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer, Mover
 from weavecell.results.keys import Key
 from weavecell.results.left_out import LeftOut, lines_of
 
@@ -86,9 +87,27 @@ class Result:
         raise NotImplementedError
 
     @property
-    def finding(self) -> Finding:
-        """What was found, with what is doubtful of it."""
-        return Finding("Result", self.lines()[0], self.doubts)
+    def answer(self) -> Answer:
+        """What it came to, with what is doubtful of it, as it is printed and written."""
+        return self._find_answer(getattr(self, "title", self._what()), self.lines()[0])
+
+    def _find_answer(self, subject, value, moved=(), advice=(), **more):
+        """The Answer with what the checks say and what is left out; `moved` are Movers with a number."""
+        beyond = [check for check in self.checks if check.doubtful]
+        beyond.sort(key=lambda check: -check.excess)
+        numbers = {check.name: _say_check(check) for check in beyond}
+        others = [doubt for doubt in self.doubts if doubt not in numbers]
+        near = dict.fromkeys(_say_check(check) for check in self.checks if check.status == NOTED)
+        remedies = [check.remedy.partition(";")[0] for check in beyond]
+        return Answer(
+            subject,
+            value,
+            (*others, *numbers.values()),
+            movers=(*moved, *(Mover(part.brief, part.settle) for part in self.left_out)),
+            advice=(*remedies, *advice),
+            near=tuple(near),
+            **more,
+        )
 
     @property
     def checks_text(self) -> str:
@@ -178,11 +197,17 @@ class Result:
         return one_table.csv(self.to_dataframe())
 
     def __str__(self) -> str:
+        if type(self).answer is Result.answer:
+            return self.details()
+        return "\n".join(self.answer.lines(self.folder))
+
+    def details(self) -> str:
+        """Write all that is known of it in lines, as --verbose prints it."""
         first, *others = self.lines()
         return "\n".join((self.mark(first), *others, *self._closing_lines()))
 
     def __repr__(self) -> str:
-        parts = [str(self).partition("\n")[0].rstrip(".")]
+        parts = [self.mark(self.lines()[0]).rstrip(".")]
         if laws := self._list_assumed_laws():
             parts.append(f"assumed: {counted(len(laws), 'law')}")
         if self.checks_text != "ok":
@@ -231,8 +256,14 @@ class Result:
         table = self._notebook_table()
         explained: set[str] = set()
         marked = [glossary.mark(line, explained) for line in (first, *others)]
-        lines = "\n".join((f"<b>{marked[0]}</b>", *marked[1:]))
+        bold = 1 if type(self).answer is Result.answer else 2
+        lines = "\n".join((f"<b>{chr(10).join(marked[:bold])}</b>", *marked[bold:]))
         parts = [f"<pre style='white-space: pre-wrap'>{lines}</pre>"]
+        if type(self).answer is not Result.answer:
+            more = glossary.mark(self.details(), explained)
+            parts.append(
+                f"<details><summary>all that is known</summary><pre>{more}</pre></details>"
+            )
         if hasattr(self, "plot") and find_missing("matplotlib") is None:
             picture = b64encode(self.plot()._repr_png_()).decode()
             parts.append(f"<img style='max-width: 100%' src='data:image/png;base64,{picture}'>")
@@ -249,6 +280,12 @@ class Result:
                 f"<details{opened}><summary>all values, {counted(len(table), 'row')}</summary>{rows}</details>",
             )
         )
+
+
+def _say_check(check):
+    """A check with its value and limit."""
+    unit = f" {check.unit}".rstrip()
+    return f"{check.name} {check.value:.3g}{unit} (limit {check.limit:g}{unit})"
 
 
 def _remember_folder(save):

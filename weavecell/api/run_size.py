@@ -207,15 +207,8 @@ class RunSize(_Size):
         from shellfabric.impact.attempts import Attempt
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
-        from weavecell.studies import choice, model_choice
+        from weavecell.studies import model_choice
 
-        if setup.instead is not None:
-            chosen = choice.choose(setup, setup.strike_velocity)
-            notes = *notes, str(chosen)
-            if chosen.resolved:
-                setup = choice.with_resolved(setup)
-            else:
-                setup = choice.with_pinned(setup)
         pack = check_impact(setup, written=written)
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
@@ -389,8 +382,6 @@ class StudySize(_Size):
     searches : of a limit, of `shots_of_a_search` each
     cpu_time : (lowest, highest) [s]
     of_range : shots that the range over what is assumed adds, with those of its searches
-    resolved : size of the same with resolved yarns, which is added if friction may not hold
-        pinned ones; None where nothing is to be chosen
     foreseen, said : of RunSize, of its shots
     more : size of the runs that follow if these do not agree; None if none do
     beside : of RunSize
@@ -408,7 +399,6 @@ class StudySize(_Size):
     searches: int
     cpu_time: tuple[float, float]
     of_range: int = 0
-    resolved: StudySize | None = None
     foreseen: tuple[str, ...] = ()
     said: Wording = NOTHING
     more: StudySize | None = None
@@ -458,26 +448,6 @@ class StudySize(_Size):
         told: dict[str, Any] = {"foreseen": of_a_run.foreseen, "said": of_a_run.said}
         return cls(title, shots, searches, (low, high), of_range, **told)
 
-    def with_choice(self, setup: ImpactSetup, shots: int, **words: Any) -> StudySize:
-        """Return the size with that of `shots` and one search with resolved yarns beside it, if the
-        set-up leaves the choice to their friction.
-
-        Parameters
-        ----------
-        **words : scene and drawn, as of `estimate`
-
-        Raises
-        ------
-        InputError : what resolved yarns do not have
-        """
-        from weavecell.studies import choice
-
-        if setup.instead is None:
-            return self
-        resolved = self.estimate(choice.with_resolved(setup), self.title, shots, 1, **words)
-        said = Wording.merge(("pinned yarns", "resolved yarns"), (self.said, resolved.said))
-        return replace(self, resolved=resolved, said=said)
-
     @classmethod
     def add_up(cls, title: str, names: Sequence[str], sizes: Sequence[StudySize]) -> StudySize:
         """Add up several sizes, each of the set-up of a name."""
@@ -519,8 +489,6 @@ class StudySize(_Size):
                 f"{own:,} of these shots are the study itself, {self.of_range:,} the range over what is "
                 "assumed, which can be left out"
             )
-        if self.resolved is not None:
-            lines.append(f"if friction may not hold pinned yarns, another {self.resolved.cost}")
         lines += [*_say_more(self.more), *_say_beside(self.beside)]
         lines += self.foreseen
         if self.cpu_time[1] > LONG:

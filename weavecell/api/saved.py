@@ -15,7 +15,7 @@ from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
 from weavecell.results import finding
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,7 +65,7 @@ def load(folder: FilePath | Result, *, changed: bool = False) -> ShotResult | Sa
         scene = str(found.folder / result_folder.SCENE)
         copies = found.changes_of_scene()
         target = read_target(scene, found.folder, "shot", changes=copies)
-        return ShotResult.of_folder(found, target)
+        return ShotResult.of_folder(found, target.nominal())
     kind = found.find_kind()
     if kind is not None:
         return SavedResult.read(found, kind)
@@ -139,16 +139,14 @@ class SavedResult(Result):
         return self.content.get("title", self.folder.name)
 
     @property
-    def headline(self) -> tuple[str, str]:
-        """What was looked for, and what was found, in a few words; ("Result", title) of a result
-        whose file does not say it."""
-        label, value = self.content.get("headline", ("Result", self.title))
-        return label, value
+    def answer(self) -> Answer:
+        """What it came to, as it was written."""
+        if "answer" in self.content:
+            return Answer.read(self.content["answer"])
+        return Answer(self.title, "its file says no answer", self.doubts)
 
-    @property
-    def finding(self) -> Finding:
-        """What was found, with what is doubtful of it."""
-        return Finding(*self.headline, self.doubts)
+    def __str__(self) -> str:
+        return super().__str__() if "answer" in self.content else self.details()
 
     @property
     def outcome(self) -> str:
@@ -170,7 +168,10 @@ class SavedResult(Result):
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers and texts of its JSON file; what is in tables there is in `content`."""
-        return {key: value for key, value in self.content.items() if plain(value)}
+        numbers = {key: value for key, value in self.content.items() if plain(value)}
+        if "answer" in self.content:
+            numbers = {"answer": self.answer.value} | numbers
+        return numbers
 
     def table(self) -> DataFrame:
         """Return the table of `to_dataframe`, columns with their units."""
@@ -179,12 +180,11 @@ class SavedResult(Result):
     def _columns(self):
         if self.main in self.tables:
             return self.tables[self.main]
-        return {key: [value] for key, value in self.summary().items()}
+        return {key: [value] for key, value in self.content.items() if plain(value)}
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
-        label, value = self.headline
-        lines = [f"{label}: {value}", f"read from {self.folder / self.name}"]
+        lines = [self.answer.line, f"read from {self.folder / self.name}"]
         lines += [f"{key}: {value}" for key, value in self.summary().items() if value is not None]
         return lines
 

@@ -9,13 +9,12 @@ The folder of `weavecell impact`
     body.pvd        that of body/body-*.vtu: a projectile of metal, with its strains
     block.pvd       that of block/block-*.vtu: the face of the block behind the last ply
     pictures/       histories, cuts, energies (.svg), panel.png
-    interval.csv    the runs of the answer over what nobody knows (`api.intervals`), where it was asked
-                    for; the first is the one that all others show
+    draws.csv       the drawn shots, where they were asked for
     report.html     all of it on one page
     checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
                     it
     window/         finished shots of `--uncertainty` at other velocities, as long; range/ those of
-                    the range over what is assumed, interval/ those of interval.csv
+                    the range over what is assumed, draws/ those of draws.csv
 
 If the input file has a table [accuracy], finer and finer meshes are run
 (`studies.mesh_uncertainty`): summary.json and the report then name them, and say whether the target
@@ -30,7 +29,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
@@ -39,27 +37,29 @@ import numpy as np
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
-from fabrics.base.door import option
+from fabrics.base.door import in_terminal, option
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.api import intervals, one_run
+from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.result import Result, figure, remember_folder, say_before_range
-from weavecell.api.run_size import RunSize
+from weavecell.api.run_size import RunSize, StudySize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.api.wording import Wording
 from weavecell.report import installed
 from weavecell.results import finding, keys, one_table, out_folder, progress, run_folder
+from weavecell.results.finding import Answer, Mover
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.results.left_out import (
     LeftOut,
     find_left_out,
+    leave_out_drawn,
     lines_of,
-    name_friction,
+    say_nominal,
     summarise,
 )
 
@@ -74,11 +74,12 @@ if TYPE_CHECKING:
     from weavecell.results.result_folder import ResultFolder
     from weavecell.scenes.build import Case
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.interval import Interval, IntervalPlan
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
+    from weavecell.studies.passing import Passing
     from weavecell.studies.window import Window
 
 RANGE = "range"  # folder of the finished shots of the range over what is assumed
+DRAWS = "draws"  # folder of the finished drawn shots, and the name of their table and chapter
 WINDOW = "window"  # folder of the finished shots at other velocities
 SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")
 PANEL = ("panel.pvd", "panel/panel-*.vtu", *SURFACES)
@@ -86,7 +87,7 @@ NAMES = (
     *out_folder.INPUT,
     "histories.h5",
     "summary.json",
-    intervals.TABLE,
+    f"{DRAWS}.csv",
     *PANEL,
     "pictures/*",
     "report.html",
@@ -104,8 +105,7 @@ class ShotPlan(Plan["ShotResult"]):
     uncertainty : whether a finer mesh is run too
     over : what is changed for the range over what is assumed; None without one
     assumed_range : as it was asked for; False where nothing is repeated
-    interval : IntervalPlan of the answer over what nobody knows, whose first run is fired at `target`;
-        None without one
+    draws, seed : number of drawn shots beside it, and of all that is drawn
     written : whether files and pictures are made, which take memory
     """
 
@@ -117,13 +117,9 @@ class ShotPlan(Plan["ShotResult"]):
     uncertainty: bool
     over: ImpactSetup | None
     assumed_range: bool | str
-    interval: IntervalPlan | None
+    draws: int
+    seed: int
     written: bool
-
-    @property
-    def chooses(self) -> bool:
-        """Whether yarns are pinned or resolved by their friction."""
-        return self.target.setup.instead is not None and self.accuracy is None
 
     @property
     def inputs(self) -> Sequence[object]:
@@ -139,7 +135,7 @@ class ShotPlan(Plan["ShotResult"]):
             self.target.setup,
             self.assumed_range,
             self.uncertainty,
-            self.interval,
+            (self.draws, self.seed),
         )
         return run_cache.key(given, "shellfabric.impact.run")
 
@@ -166,30 +162,26 @@ class ShotPlan(Plan["ShotResult"]):
         if self.uncertainty:
             choices["meshes"] = "two, for the error of the first"
         size = replace(size, said=replace(size.said, choices=tuple(choices.items())))
-        if self.interval is None:
+        if not self.draws:
             return size
-        return replace(size, beside=intervals.forecast_beside(self.interval, panel))
+        from weavecell.studies import v50
+
+        drawn = StudySize.estimate(
+            v50.as_fired(panel.setup), panel.title, self.draws, 0, drawn=True
+        )
+        return replace(size, beside=drawn)
 
     def run(self, running: Running) -> ShotResult:
         """Fire, run what else the answer rests on, and write all of it."""
-        from weavecell.studies import assumed_range as ranges
-
         shooting = Shooting(self.target, running.folder, running.how.resume)
         if self.accuracy is not None or self.uncertainty:
             result, running.failure = shooting.compare_meshes(self.accuracy)
-        elif self.chooses:
-            result, running.failure = shooting.choose_yarns()
         else:
             result, running.failure = shooting.fire()
-        over = self.over
-        if self.chooses and self.target.setup.plies == 1:
-            # which yarns are shot at was not known before
-            assert result.target is not None
-            over = ranges.with_ends(result.target.setup, self.assumed_range)
-        if self.interval is not None and running.failure is None:
-            result = _with_interval(result, self.interval, running.folder)
-        if over is not None and running.failure is None:
-            result = _with_range(result, over, running.folder)
+        if self.draws and running.failure is None:
+            result = _with_draws(result, self, running.folder)
+        if self.over is not None and running.failure is None:
+            result = _with_range(result, self.over, running.folder)
         if running.folder is not None:
             self._save(result, running.folder)
         return result
@@ -200,7 +192,7 @@ class ShotPlan(Plan["ShotResult"]):
             result.save(folder)
         for checkpoint in run_folder.list_checkpoints(folder):
             checkpoint.unlink()
-        for name in (WINDOW, RANGE, intervals.RUNS):
+        for name in (WINDOW, RANGE, DRAWS):
             run_cache.RunCache(folder / name).clear()
 
     def give_up(self, running: Running, problem: BaseException) -> None:
@@ -219,7 +211,8 @@ def impact(
     target: Fabric | FilePath | ImpactSetup | None,
     velocity: float | str | None = None,
     *,
-    interval: bool | Literal["open"] = False,
+    draws: int = 0,
+    seed: int = 1,
     assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
     check: bool = False,
@@ -228,6 +221,9 @@ def impact(
     **options: Unpack[Keywords],
 ) -> ShotPlan:
     """Fire a projectile at a panel: histories, ParaView series, pictures and a report.
+
+    It is one shot: each friction that nobody gave is in the middle of its range, and the nose strikes half-way
+    between a gap and a crossover, with resolved yarns, unless the input says otherwise.
 
     A shot that is still in flight at the end time is a result with the outcome "in flight". An
     input file with a table [accuracy] is run on finer and finer meshes, until the uncertainty of
@@ -240,11 +236,9 @@ def impact(
     ----------
     target : input file of a ply or pack; in Python also a fabric, or a set-up of `setup`
     velocity : of a fabric, [m/s] of the strike
-    interval : answer over what nobody knows, with resolved yarns: the places by the nose that are
-        struck, and both ends of each friction that nobody gave, between yarns, on the nose and
-        between plies; or what decides. One to six shots, whose cost is told before; histories and
-        pictures are of the first. Without this option a command does so where place or a friction
-        is open and resolved yarns can answer; in Python "open" does
+    draws : fire so many drawn shots beside it, as `v50` draws them, for the share that perforates with its
+        interval of 90 %, and residual velocity and deflection that 1, 5 and 9 in 10 keep below
+    seed : of all that is drawn
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
         set-up; without this option a command does so if a law or the crimp is assumed; in Python
         "laws" does. Refused of a pack and with [accuracy], which take too long for it
@@ -262,8 +256,7 @@ def impact(
     -------
     ShotResult, one with a quality check beyond its limit (docs/reports/numerics.md) is `doubtful`
     and warns with `DoubtfulResult`. Where the folder to `resume` from holds the results of this very
-    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`). With `interval` its
-    first line is the answer over all shots, and its `interval` has them (`Interval.to_dataframe`)
+    run, nothing is run: the ShotResult is read from it (`ShotResult.of_folder`). Its `draws` are the drawn shots
 
     Raises
     ------
@@ -280,7 +273,6 @@ def impact(
     panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
     # bad input is told before the solver is loaded
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import choice
 
     accuracy = None
     if panel.case is not None and panel.case.scene.accuracy is not None:
@@ -290,18 +282,16 @@ def impact(
         raise InputError(
             key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
         )
-    if uncertainty and panel.setup.instead is not None:
-        allowed = "left out if the yarns are to be pinned or resolved by their friction"
-        raise InputError(key="uncertainty", allowed=allowed)
     # a report describes the panel by what was built from an input file
     if panel.case is None and out is not None:
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
-    refused = {"accuracy": accuracy, "uncertainty": uncertainty or None}
-    over_unknown = intervals.choose_interval(panel, "shot", interval, refused=refused)
-    if over_unknown is not None:
-        panel = replace(panel, setup=over_unknown.shown)
+    count = quantities.read_whole(draws, "draws", 0)
+    if not (accuracy or uncertainty):
+        panel = panel.nominal()
+    elif count:
+        raise InputError(key="draws", allowed="left out of several meshes")
     over = ranges.with_ends(panel.setup, assumed_range)
     # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
     if panel.setup.plies > 1 or accuracy:
@@ -311,14 +301,7 @@ def impact(
         over = None
     if over is None:
         assumed_range = False
-    if panel.setup.instead is not None:
-        with panel.name_problems():
-            # what resolved yarns do not have is refused first
-            choice.with_resolved(panel.setup).target()
-        over = None
-    return ShotPlan(
-        panel, accuracy, uncertainty, over, assumed_range, over_unknown, out is not None
-    )
+    return ShotPlan(panel, accuracy, uncertainty, over, assumed_range, count, seed, out is not None)
 
 
 @dataclass(frozen=True)
@@ -363,23 +346,6 @@ class Shooting:
         message = str(shot.failure or "")
         used = target.as_run(shot.result.widened)
         return shot_of(used, shot.result, message, target=used, **more), shot.failure
-
-    def choose_yarns(self) -> tuple[ShotResult, UnstableError | None]:
-        """Fire as `fire`: with pinned yarns if their friction holds them, else with resolved ones."""
-        from weavecell.studies import choice
-
-        setup = self.target.setup
-        chosen = choice.choose(setup, setup.strike_velocity)
-        if chosen.resolved:
-            used = choice.with_resolved(setup)
-            mesh = "resolved yarns"
-        else:
-            used = choice.with_pinned(setup)
-            mesh = ""
-        size = RunSize.estimate(used, self.target.shot_title)
-        logging.getLogger("weavecell").info(f"{chosen}; {size.cost} at most")
-        target = replace(self.target, setup=used)
-        return self._result(self.shoot(used, mesh=mesh), target, chosen=str(chosen))
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.
@@ -460,27 +426,40 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
     )
 
 
-def _with_interval(shot, plan, folder):
-    """The ShotResult, the first run of an IntervalPlan, with the answer over all its runs."""
-    from weavecell.report.shot import chapters_shot
-    from weavecell.studies import sweep
+def _say_draws():
+    """The option that fires drawn shots, as the user would write it."""
+    said = option("draws", "16")
+    return f"{said} 16" if in_terminal() else said
 
-    line = f"{shot.title}, {plan.first[0].name}: {shot.outcome}, {chapters_shot.residual(shot)}"
-    logging.getLogger("weavecell").info(shot.mark(line))
+
+def _with_draws(shot, plan, folder):
+    """The ShotResult with the drawn shots of a ShotPlan."""
+    from weavecell.studies import inputs, passing
+
+    logging.getLogger("weavecell").info(str(shot.answer))
 
     def compute():
-        with keep_runs(folder, True, intervals.RUNS) as runs:
-            return intervals.complete(plan, shot.target, sweep.row_of(shot), folder=runs)
+        with (
+            keep_runs(folder, True, DRAWS) as runs,
+            progress.bar(counted(plan.draws, "drawn shot")) as advance,
+        ):
+            return passing.fire_draws(
+                plan.target.setup,
+                inputs.read_scatter(),
+                draws=plan.draws,
+                seed=plan.seed,
+                folder=runs,
+                report=lambda done, of: advance(done / of, f"{done} of {of}"),
+            )
 
-    found = _compute_beside(shot, folder, "the other runs of its answer", compute)
-    return replace(shot, interval=found)
+    return replace(shot, draws=_compute_beside(shot, folder, "its drawn shots", compute))
 
 
 def _with_range(shot, with_ends, folder):
     """The ShotResult with its range over what is assumed."""
     from weavecell.studies import assumed_range
 
-    say_before_range(shot.headline())
+    say_before_range(str(shot.answer))
     runs = folder and folder / RANGE
 
     def compute():
@@ -515,13 +494,20 @@ def _compute_beside(shot, folder, about, compute):
 
 # what completion offers of a shot
 OFFERED = (
-    *("outcome", "residual_velocity", "strike_velocity", "max_deflection", "absorbed_energy"),
+    *(
+        "answer",
+        "outcome",
+        "residual_velocity",
+        "strike_velocity",
+        "max_deflection",
+        "absorbed_energy",
+    ),
     *("strike_energy", "cut_yarns", "stop_time", "back_face_signature_mm", "peaks", "mass"),
     *("time", "velocity", "deflection", "nose_position", "contact_force", "energies", "plies"),
     *("cone_radius", "cut_times"),
-    *("histories", "measured", "title", "fabric", "target", "headline", "summary", "to_dataframe"),
+    *("histories", "measured", "title", "fabric", "target", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "interval", "left_out"),
+    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "draws", "left_out"),
     "wall_time",
 )
 
@@ -538,11 +524,11 @@ class ShotResult(ImpactRecord, Result):
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
     assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
-    interval : Interval over what nobody knows, whose first run is this shot, or None
+    draws : Passing, drawn shots of its velocity, or None
     target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
     read_from : folder from which it was read; None of a shot that was fired now
-    chosen : whether yarns are pinned or resolved, and why; "" where the input says it
+    said : Answer of that folder, which may be of more runs than it holds
 
     Examples
     --------
@@ -559,11 +545,11 @@ class ShotResult(ImpactRecord, Result):
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
     assumed_range: AssumedRange | None = None
-    interval: Interval | None = None
+    draws: Passing | None = None
     target: Target | None = None
     pair: Discretisation | None = None
     read_from: Path | None = None
-    chosen: str = ""
+    said: Answer | None = None
     kind = "impact"
 
     @classmethod
@@ -571,29 +557,17 @@ class ShotResult(ImpactRecord, Result):
         """Read the result of a finished run at a target from its opened folder.
 
         It has scalars, histories, cuts and the shapes at the end; the shapes of the other instants
-        are in panel.pvd, and range, meshes and window of its options in summary.json. It has the answer
-        over what nobody knows, and the target is that of the run that was shown.
+        are in panel.pvd, and range, meshes, window and draws of its options in summary.json.
 
         Raises
         ------
         InputError : no histories.h5 of an impact
         """
-        from weavecell.results.result_folder import SUMMARY
-
         read = cast(ShotResult, found.read_impact(cls))
-        content = {}
-        if found.has(SUMMARY):
-            content = found.read_json(SUMMARY)
-        around = None
-        if "interval" in content:
-            from weavecell.studies.interval import Interval
-
-            around = Interval.read(content["interval"])
-            target = replace(target, setup=around.strike_as_shown(target.setup))
         target = target.as_run(read.widened)
         result = replace(
             read,
-            interval=around,
+            said=found.read_answer(),
             fabric=target.setup.fabric,
             assumed=list_assumptions(target.setup),
             target=target,
@@ -630,51 +604,75 @@ class ShotResult(ImpactRecord, Result):
         if self.target is None:
             return ()
         compared = self.pair is not None
-        found = find_left_out(self.target.setup, self.assumed_range, mesh_compared=compared)
-        if self.interval is None:
-            return (*found, *self._of_one_run)
-        ranged = self.assumed_range is not None
-        return intervals.leave_out(found, self.target, self.interval, ranged)
-
-    @property
-    def answer(self) -> str:
-        """The answer over what nobody knows in one line; without an interval the outcome."""
-        if self.interval is None:
-            return self.outcome
-        return self.interval.words()
+        found = find_left_out(
+            self.target.setup,
+            self.assumed_range,
+            mesh_compared=compared,
+            drawn=self.draws is not None,
+            one_shot=True,
+        )
+        if self.draws is not None:
+            return leave_out_drawn(found, self.target.setup)
+        return (*say_nominal(self.target.setup, _say_draws()), *found)
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """As of `Result`, and how many runs of the interval are doubtful."""
-        if self.interval is None:
+        """As of `Result`, and how many of the drawn shots are doubtful."""
+        if self.draws is None:
             return super().doubts
-        return (*super().doubts, *self.interval.doubts)
+        return (*super().doubts, *self.draws.doubts)
 
-    @cached_property
-    def _of_one_run(self):
-        """What one run stands for that nobody gave (`one_run`); empty of a run without a target."""
-        if self.target is None:
-            return ()
-        unknown = one_run.find_unknown(self.target, "shot")
-        if unknown is None:
-            return ()
-        return (unknown,)
+    @property
+    def _run_words(self):
+        """What the run took of all that nobody gave, and why it was repeated."""
+        from weavecell.studies import unknown
+
+        said = "one run"
+        if self.target is not None:
+            said += f": {unknown.say_run(self.target)}"
+        return "; ".join(filter(None, (said, self.widened)))
+
+    @property
+    def answer(self) -> Answer:
+        """What drawn shots of its velocity came to, or the one run; what moves it, and what it leaves out."""
+        from weavecell.report.shot import chapters_shot
+        from weavecell.studies import unknown
+
+        if self.said is not None:
+            return self.said
+        around = self.assumed_range
+        value, outcome = chapters_shot.outcome(self), self.outcome
+        over = self._run_words
+        moved: tuple[Mover, ...] = ()
+        advice: tuple[str, ...] = ()
+        if self.draws is not None:
+            assert self.target is not None
+            shots = counted(len(self.draws.shots), "drawn shot")
+            over = f"{shots}: {unknown.say_drawn(self.target.setup)}"
+            value, outcome = self.draws.words(), self.draws.outcome
+            advice = tuple(unknown.FRICTIONS[name].advice for name in self.draws.unknown)
+        if around is not None:
+            moved += around.movers
+            if around.high > 0:
+                value += f"; over assumed data {around.span} left"
+        if self.rigid_check.endswith("elastic projectile"):
+            moved += (Mover("yielding of the projectile", 'projectile.body = "elastic_bar"'),)
+        return self._find_answer(self.title, value, moved, advice, outcome=outcome, over=over)
 
     def __dir__(self) -> list[str]:
         """The names that a user needs, for completion; the others of the record are there too."""
         absent = set()
         if self.backing is None:
             absent.add("back_face_signature_mm")
-        if self.interval is None:
-            absent.add("interval")
+        if self.draws is None:
+            absent.add("draws")
         return [name for name in OFFERED if name not in absent]
 
     def summary(self) -> dict[str, Any]:
         """Return the entries of summary.json (docs/reference.md), the checks in words, the areal
         density of the first ply, and what is assumed."""
         known = self.facts() | {"checks": self.checks_text}
-        if self.interval is not None:
-            known = {"answer": self.answer} | known
+        known = {"answer": self.answer.value} | known
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)
         return known | self._say_in_words() | self._what_is_assumed()
@@ -699,7 +697,7 @@ class ShotResult(ImpactRecord, Result):
         return f"ShotResult({self._what()}, {velocity}{more}, checks {self.checks_text})"
 
     def _what(self):
-        return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.answer}"
+        return f"{self.fabric_name}, {self.strike_velocity:g} m/s: {self.outcome}"
 
     def _columns(self):
         histories = self.histories
@@ -789,8 +787,6 @@ class ShotResult(ImpactRecord, Result):
         ------
         InputError : as `case`
         """
-        from weavecell.report import page
-
         out = Path(out)
         target = self.target
         # it has a case, and so a target
@@ -810,11 +806,22 @@ class ShotResult(ImpactRecord, Result):
             used = target.setup
         else:
             used = self.pair.setup
-        sections = self._sections(used)
+        # which load a plotter
+        from weavecell.report import page
+        from weavecell.report.shot import chapters_shot, view
+
+        stills = view.still(self)
+        beside = stills[:1]
+        if self.draws is not None:
+            # it has the answer; histories and stills are of one run
+            beside = (chapters_shot.draw_draws(self.draws),)
+        sections = self._sections(used, tuple(one for one in stills if one not in beside))
         if "pictures" in outputs:
-            page.write_pictures(sections, out / "pictures")
+            page.write_pictures(
+                (page.Section("panel", "", figures=beside), *sections), out / "pictures"
+            )
         if "report" in outputs:
-            self._write_report(out, used, sections, stamp)
+            self._write_report(out, used, sections, stamp, beside)
 
     def save_numbers(self, out: Path) -> dict[str, Any]:
         """Write the input, histories.h5 and summary.json to a folder; return the provenance."""
@@ -832,11 +839,11 @@ class ShotResult(ImpactRecord, Result):
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
         content |= summarise(self.left_out) | self._what_is_doubtful()
-        content |= intervals.summarise(self.interval)
-        if self.interval is not None:
-            files.write(out / intervals.TABLE, one_table.csv(self.interval.to_dataframe()))
-        if self.chosen:
-            content["chosen"] = self.chosen
+        content["answer"] = self.answer.entry()
+        if self.draws is not None:
+            content["draws"] = self.draws.summary()
+            table = one_table.frame(one_table.columns(self.draws.shots, "v50"), "v50")
+            files.write(out / f"{DRAWS}.csv", one_table.csv(table))
         content |= (
             {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
         )
@@ -847,20 +854,23 @@ class ShotResult(ImpactRecord, Result):
         json_file.write_summary(out / "summary.json", content)
         return stamp
 
-    def _sections(self, setup):
-        """The chapters that have pictures or follow from options; `setup` is what was run."""
-        from weavecell.report import chapters, chapters_discretisation, chapters_interval
-        from weavecell.report.shot import chapters_shot, moving, view
+    def _sections(self, setup, stills):
+        """The chapters that have pictures or follow from options; `setup` is what was run, `stills`
+        pictures of its end."""
+        from weavecell.report import chapters, chapters_discretisation
+        from weavecell.report.shot import chapters_shot, moving
 
         case = self.case
         scene = self.case.scene
         used = setup.meshed
         sections = []
-        if self.interval is not None:
-            sections.append(chapters_interval.describe(self.interval))
+        lead = ""
+        if self.draws is not None:
+            lead = f"{self._run_words}: it {chapters_shot.outcome(self)}."
+            lead = lead[0].upper() + lead[1:]
         sections += [
             moving.section(self, moving.collect_instants(self, self.instants)),
-            chapters_shot.chapter(self, view.still(self)),
+            chapters_shot.chapter(self, stills, lead),
             chapters_shot.mesh(self, used),
         ]
         if used.crossovers is None:
@@ -884,79 +894,49 @@ class ShotResult(ImpactRecord, Result):
                         chapters_shot.measures(self.measured[ply], places, number, fabric)
                     )
         sections += chapters_shot.body(self)
+        if self.draws is not None:
+            sections.append(chapters_shot.describe_draws(self.draws))
         if case.surface is None:
             laws = {case.law_name: case.laws}
-            sections.append(chapters.cell(case.fabric, laws, scene.fabric.cell_model))
+            cell = chapters.cell(case.fabric, laws, scene.fabric.cell_model)
+            sections.append(replace(cell, folded=True))
         lines = [*self.assumed, *lines_of(self.left_out)]
-        if self.chosen:
-            lines.insert(0, self.chosen)
         if self.pack:
             lines += [self.gap_words, self.contact_words]
         sections.append(chapters_shot.assumptions(used, lines, body=self.rigid_check))
         return sections
 
-    def _write_report(self, out, setup, sections, stamp):
-        """Write the report with the chapters of `_sections`; `setup` is what was run."""
-        from weavecell.report import chapters, chapters_interval, checks
+    def _write_report(self, out, setup, sections, stamp, beside):
+        """Write the report with the chapters of `_sections`, and a picture beside the answer; `setup` is
+        what was run."""
+        from weavecell.report import chapters, checks
         from weavecell.report.shot import chapters_shot
 
-        card = chapters_shot.card(self)
-        found = chapters_shot.find(self)
-        words = chapters_shot.outcome(self)
-        if self.interval is not None:
-            shown = self.interval.runs[0]
-            lines = (f"{shown.name}: {shown.outcome}", *card.lines)
-            card = replace(card, headline=self.answer, lines=lines)
-            found = chapters_interval.find(found.label, self.interval, self.doubts)
-            words = chapters_interval.write_sentence(self.interval, words)
         chapters.write(
             out,
-            self.title,
             chapters.describe_shot(setup, self.case.scene, velocity=True),
             setup.fabrics,
-            (card, *chapters.law_cards(self.case)),
             (*sections, checks.section(self.checks)),
             stamp,
             {"time integration": self.wall_time},
-            found,
-            words,
+            self.answer,
             (chapters_shot.settings(setup.meshed),),
+            beside,
         )
-
-    def headline(self) -> str:
-        """Return title, outcome and residual velocity in one line, with what is doubtful."""
-        return self.mark(self._headline())
-
-    def _headline(self):
-        from weavecell.report.shot import chapters_shot
-
-        if self.interval is not None:
-            return f"{self.title}: {self.answer}"
-        parts = [f"{self.title}: {self.outcome}, {chapters_shot.residual(self)}"]
-        if self.target is not None:
-            parts.append(name_friction(self.target.setup, self.assumed_range))
-        parts += [self.chosen, self.widened, *(part.brief for part in self._of_one_run)]
-        return "; ".join(filter(None, parts))
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
         from weavecell.report import chapters_discretisation
         from weavecell.report.shot import chapters_shot
-        from weavecell.results.display import text
 
-        lines = [self._headline()]
+        lines = [self.answer.line]
         if self.read_from is not None:
             lines.append(f"read from {self.read_from}")
-        if self.interval is not None:
-            lines += self.interval.lines()
         if self.pack:
             cut = chapters_shot.cut(self.plies["cut_yarns"][-1])
             if self.which_fabric:
                 lines.append(f"from the front: {self.which_fabric}")
             lines += [self.contact_words, f"by ply: {cut}", self.gap_words]
-        error = text(self.energy_error_max, "%", ".3f")
-        energy = f"{self.strike_energy:.2f} J"
-        lines.append(f"energy error at most {error} of the strike energy, {energy}")
         if self.step_factor < 1.0:
             lines.append(
                 f"run again with {self.step_factor:g} of the time step: the first run lost over 0.4 % of the energy"
@@ -965,15 +945,8 @@ class ShotResult(ImpactRecord, Result):
             lines.append(self.rigid_check)
         if self.backing is not None:
             lines.append(chapters_shot.dent(self))
-        viscous = text(self.viscous_energy_fraction, "%", ".1f")
-        if self.cut_yarns[-1]:
-            lost = f"failure dissipation {self.energies['failure_dissipation'][-1]:.2f} J"
-            lines.append(f"{lost}, recoil of cut yarns {self.recoil_of_cut_yarns:.2f} J")
-            lines.append(f"viscous energy {viscous} of what was absorbed until the first failure")
-            if self.viscous_note:
-                lines.append(self.viscous_note)
-        else:
-            lines.append(f"viscous energy {viscous} of the {self.absorbed_energy:.2f} J absorbed")
+        if self.viscous_note:
+            lines.append(self.viscous_note)
         if self.assumed_range is not None:
             lines.append(f"assumed laws: {self.assumed_range.words()}")
         if self.pair is not None:

@@ -12,7 +12,6 @@ from weavecell.api.result import Result, figure
 from weavecell.api.target import list_assumptions
 from weavecell.report import installed
 from weavecell.results import out_folder
-from weavecell.results.finding import Finding
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 
 if TYPE_CHECKING:
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Section
-
-# the first card of the report holds so many lines
-CARD_LINES = 2
 
 
 class DrawnResult(Result):
@@ -53,7 +49,7 @@ class DrawnResult(Result):
             kind = name.partition(".")[2]
             if kind == "json":
                 content |= summarise(self.left_out) | self._what_is_doubtful()
-                content["headline"] = [self.finding.label, self.finding.value]
+                content["answer"] = self.answer.entry()
                 json_file.write(folder / name, content | {"provenance": stamp})
             elif content:
                 files.write(folder / name, content)
@@ -71,6 +67,10 @@ class StudyResult(DrawnResult):
     def title(self) -> str:
         """Of picture and page."""
         return self.target.title
+
+    def _name_shot(self, question):
+        """What is asked, and of what."""
+        return f"{self.target.title}, {question}, {self.target.projectile.partition(',')[0]}"
 
     @property
     def draws_strengths(self) -> bool:
@@ -95,16 +95,6 @@ class StudyResult(DrawnResult):
     def notes(self) -> list[str]:
         """What the set-up notes of itself."""
         return [f"Note: {note}." for note in self.target.setup.notes]
-
-    @property
-    def headline(self) -> tuple[str, str]:
-        """What was looked for, and what was found, in a few words."""
-        return "Result", self.lines()[0]
-
-    @property
-    def finding(self) -> Finding:
-        """What was found, with what is doubtful of it."""
-        return Finding(*self.headline, self.doubts)
 
     def table(self) -> DataFrame:
         """Return the table of the page, columns with their units."""
@@ -133,27 +123,20 @@ class StudyResult(DrawnResult):
         """Write the report: what was found with its picture and table, what is assumed, and
         sources."""
         from weavecell.report import chapters, checks, pictures
-        from weavecell.report.page import Card, Section, Table
+        from weavecell.report.page import Section, Table
         from weavecell.report.shot import chapters_shot
 
         setup = self.target.setup
         case = self.target.case
-        found = self.finding
-        label, value = found.label, found.value
-        lines = [*self.lines(), *lines_of(self.left_out)]
-        picture = pictures.draw_figure("result", "", self.draw)
+        beside = (pictures.draw_figure("result", "", self.draw),)
         table = Table.from_frame(self.table())
-        sections = [Section("result", "Result", "", (picture,), (table,), points=tuple(lines))]
-        outcome = f"{label} {value}"
-        shown = [line for line in lines if value not in line][:CARD_LINES]
+        sections = [Section("result", "Result", "", (), (table,))]
         sections += self._own_chapters()
         around = getattr(self, "assumed_range", None)
         if around is not None:
             sections.append(chapters_shot.describe_assumed_range(around))
-            if "what is assumed" not in value:
-                span = f"{around.low:.1f} to {around.high:.1f} m/s over what is assumed"
-                outcome += f", {span}"
-                shown.insert(0, span)
+        remarks = (*self.lines(), *lines_of(self.left_out))
+        sections.append(Section("remarks", "Remarks", points=remarks, folded=True))
         laws = list_assumptions(setup)
         sections.append(chapters_shot.assumptions(self.fired, laws, drawn=self.draws_strengths))
         if self.checks:
@@ -161,14 +144,8 @@ class StudyResult(DrawnResult):
         seconds = {}
         if hasattr(self, "wall_time"):
             seconds["study"] = self.wall_time
-        title = self.title
-        if ":" not in title:
-            title += f": {label[0].lower()}{label[1:]}"
         lead = chapters.describe_shot(setup, case and case.scene)
         # a sweep has a target for each row
         if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
-        card = Card(label, value, tuple(shown))
-        cards = (card, *chapters.law_cards(case))
-        of_page = (lead, setup.fabrics, cards, sections, stamp, seconds, found, f"{outcome}.")
-        chapters.write(out, title, *of_page)
+        chapters.write(out, lead, setup.fabrics, sections, stamp, seconds, self.answer, (), beside)

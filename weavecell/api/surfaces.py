@@ -36,7 +36,7 @@ from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.report import chapters, pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 from weavecell.studies.energy_map import map_energy
 
 if TYPE_CHECKING:
@@ -251,12 +251,12 @@ class SurfaceResult(Result):
         return crossover_checks.of_surface(self.surface, self.sampled.errors)
 
     @property
-    def finding(self) -> Finding:
+    def _found(self) -> Answer:
         """What was found, with what is doubtful of it."""
         error = self.sampled.errors["T1"]
         samples = f"{self.surface.d1.size} × {self.surface.d2.size} samples"
         missed = f"T1 of left-out lines within {error.largest:.3g} N, {error.rms:.3g} N rms"
-        return Finding("Response surface", f"{samples}, {missed}", self.doubts)
+        return self._find_answer(f"{self.fabric.name}, response surface", f"{samples}, {missed}")
 
     @cached_property
     def energy_map(self) -> EnergyMap | None:
@@ -329,15 +329,14 @@ class SurfaceResult(Result):
         json_file.write(folder / "surface.json", self.summary() | {"provenance": stamp})
         section = self._section()
         page.write_pictures([section], folder / "pictures")
-        title = f"{self.fabric.name}: response surface of the 3D crossover"
         lead = "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
         friction = self.settings["friction"]
         if friction:
             lead += f" Coulomb friction {friction:g}; the weft is stretched first, then the warp."
         seconds = self.sampled.seconds
         sections = (section, checks.section(self.checks))
-        of_page = (lead, (self.fabric,), (), sections, stamp, seconds, self.finding)
-        chapters.write(folder, title, *of_page)
+        of_page = (lead, (self.fabric,), sections, stamp, seconds, self._found)
+        chapters.write(folder, *of_page)
 
     def _section(self):
         from pandas import DataFrame

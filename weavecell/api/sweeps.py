@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import logging
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,7 +36,6 @@ from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
-from weavecell.api.intervals import add_up, forecast_all, leave_out, plan_interval
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.limits import NO_LIMIT
 from weavecell.api.result import Result, figure, plain
@@ -56,8 +54,9 @@ from weavecell.api.target import (
 from weavecell.api.varied_setup import read_key, vary_setup
 from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
+from weavecell.results.finding import Answer
 from weavecell.results.keys import find_axis
-from weavecell.results.left_out import LeftOut
+from weavecell.results.left_out import LeftOut, leave_out_drawn, say_nominal
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
 
@@ -67,7 +66,6 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
     from weavecell.scenes.fabric_table import Reader
-    from weavecell.studies.interval import Interval, IntervalPlan
 
 SEED = "panel.strength.seed"
 # what a notebook shows of each shot
@@ -98,7 +96,6 @@ class SweepPlan(Plan["SweepTable"]):
     tolerance : [m/s] of the bracket of a limit, None for the usual one
     shots, seed : of a V50
     one_at_a_time : whether each row but the first changes one key
-    intervals : the IntervalPlan of each row; none where a row is one run
     """
 
     files = NAMES
@@ -111,7 +108,6 @@ class SweepPlan(Plan["SweepTable"]):
     shots: int
     seed: int
     one_at_a_time: bool
-    intervals: tuple[IntervalPlan, ...] = ()
 
     @property
     def target(self) -> Target:
@@ -125,11 +121,9 @@ class SweepPlan(Plan["SweepTable"]):
 
     @property
     def inputs(self) -> Sequence[tuple]:
-        """Set-up, quantity and tolerance of each row, or of each first run of its interval."""
+        """Set-up, quantity and tolerance of each row."""
         from weavecell.studies import inputs
 
-        if self.intervals:
-            return [plan.arguments(run) for plan in self.intervals for run in plan.first]
         return [
             (inputs.use_one_thread(panel.setup), self.quantity, self.tolerance)
             for panel in self.panels
@@ -140,54 +134,18 @@ class SweepPlan(Plan["SweepTable"]):
         sizes = [
             forecast_row(panel, self.quantity, self.shots, self.tolerance) for panel in self.panels
         ]
-        if self.intervals:
-            rows = zip(self.intervals, self.panels, sizes)
-            # the words are those of the first run of each row
-            sizes = [
-                replace(forecast_all(plan, panel), said=first.said) for plan, panel, first in rows
-            ]
         names = list(map(_say_changes, self.combinations))
         return StudySize.add_up(self.title, names, sizes)
 
     def run(self, running: Running) -> SweepTable:
         """Compute the rows."""
-        found: tuple[Interval, ...] = ()
-        if self.intervals:
-            from weavecell.studies import interval_row
-
-            found = tuple(self._compute_intervals(running))
-            rows = list(map(interval_row.make_row, found))
-        else:
-            rows = self._compute_rows(running)
+        rows = self._compute_rows(running)
         table = []
         for changes, panel, row in zip(self.combinations, self.panels, rows):
             areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
             table.append(dict.fromkeys(self.keys) | changes | areal_density | row)
-        result = SweepTable(
-            self.quantity, self.keys, tuple(table), self.panels, self.one_at_a_time, found
-        )
+        result = SweepTable(self.quantity, self.keys, tuple(table), self.panels, self.one_at_a_time)
         return running.save(result)
-
-    def _compute_intervals(self, running):
-        """The Interval of each row, the runs of all rows beside each other."""
-        from weavecell.studies import interval
-
-        log = logging.getLogger("weavecell")
-        plans = self.intervals
-        runs = counted(sum(len(plan.first) for plan in plans), "run")
-        log.info(f"{self.title} over what nobody knows: {runs}, {self.forecast().cost}")
-        with running.count(runs) as part:
-            found = interval.begin(plans, report=part(), **running.cache)
-        wanted = [interval.find_more(plan, one) for plan, one in zip(plans, found)]
-        if not any(wanted):
-            return found
-        rows = zip(plans, wanted, self.panels)
-        sizes = [add_up(plan, more, panel) for plan, more, panel in rows if more]
-        runs = counted(sum(map(len, wanted)), "run")
-        cost = StudySize.add_up(self.title, [size.title for size in sizes], sizes).cost
-        log.info(f"in {counted(len(sizes), 'row')} they do not agree: {runs} more, {cost}")
-        with running.count(runs) as part:
-            return interval.follow_up(plans, found, report=part(), **running.cache)
 
     def _compute_rows(self, running):
         from weavecell.studies import sweep as studies
@@ -251,7 +209,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     shots: int | None = None,
     seed: int | None = None,
     one_at_a_time: bool = False,
-    interval: bool = False,
     check: bool = False,
     out: FilePath | None = None,
     **options: Unpack[ResumableKeywords],
@@ -280,13 +237,10 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most
         [m/s]; if not given by 1 m/s of one ply, about 5 % of a pack, whose result is V50 with its
         interval
-    shots : of a V50, number of shots; if not given 60
+    shots : of a V50, number of shots; if not given 16
     seed : of a V50, of all that is drawn; if not given 1
     one_at_a_time : compute the input file as it is, and then each value alone, in place of all
         combinations
-    interval : of shots and critical velocities, the answer of each row over what nobody knows, with
-        resolved yarns, as `impact` and `critical_velocity` have it: lowest and highest value, and
-        what decides. Two to six runs a row
     check : run nothing and write nothing: forecast shots and CPU time
     out : folder of the results; in Python None writes nothing. Of set-ups nothing is written
     **options : jobs, executor and resume
@@ -311,10 +265,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     ...                                  "projectile.strike_velocity": ["150 m/s"]})
     >>> [row["outcome"] for row in table.rows]
     ['in flight', 'in flight']
-    >>> quick = {"panel.opening": ["30 mm"], "run.end_time": ["8 us"]}
-    >>> table = wc.sweep("S-720", over=quick | {"projectile.strike_velocity": ["150 m/s"]}, interval=True)
-    >>> [table.rows[0][name] for name in ("outcome", "runs")]
-    ['in flight', 2]
     """
     for name, value in options.items():
         if name in keywords.tables():
@@ -324,7 +274,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     target = _one_setup(target)
     if not (is_setup(target) or isinstance(target, (str, Path))):
         unused = {"over": over, "tolerance": tolerance, "shots": shots, "seed": seed}
-        unused["interval"] = interval or None
         quantities.refuse_unused(unused, "beside set-ups")
         if out is not None:
             allowed = "left out of set-ups: an input file, or a fabric, has a report"
@@ -340,14 +289,9 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         )
     if quantity != "v50":
         quantities.refuse_unused({"shots": shots, "seed": seed}, f"with {quantity}")
-    if quantity == "v50" and interval:
-        allowed = (
-            "left out of v50, whose shots strike anywhere; or quantity shot or critical-velocity"
-        )
-        raise InputError(key="interval", allowed=allowed)
     if quantity != "critical-velocity":
         quantities.refuse_unused({"tolerance": tolerance}, f"with {quantity}")
-    width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 60))
+    width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 16))
     keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
@@ -380,13 +324,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             strengths.check(panel.setup, inputs.read_scatter())
         elif quantity == "critical-velocity":
             strengths.require_failure(panel.setup, NO_LIMIT)
-    intervals = []
-    if interval:
-        intervals = [plan_interval(panel, quantity, width) for panel in panels]
-        # what is told of a row is of the yarns that are resolved
-        panels = [
-            replace(panel, setup=plan.first[0].setup) for panel, plan in zip(panels, intervals)
-        ]
+    panels = [panel.nominal() for panel in panels]
     return SweepPlan(
         tuple(panels),
         tuple(combinations),
@@ -396,7 +334,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         count,
         first,
         one_at_a_time,
-        tuple(intervals),
     )
 
 
@@ -531,7 +468,6 @@ class SweepTable(StudyResult):
     targets : the Target of each
     one_at_a_time : whether the first row is the input file, and each other row changes one key, the
         others being None
-    intervals : `weavecell.studies.interval.Interval` of each row; none where a row is one run
 
     Examples
     --------
@@ -547,7 +483,6 @@ class SweepTable(StudyResult):
     rows: tuple[dict[str, Any], ...]
     targets: tuple[Target, ...]
     one_at_a_time: bool = False
-    intervals: tuple[Interval, ...] = ()
 
     @property
     def target(self) -> Target:  # type: ignore[override]
@@ -572,21 +507,17 @@ class SweepTable(StudyResult):
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """As in `StudyResult`; of what is assumed, what no run varies."""
-        parts = super().left_out
-        if not self.intervals:
-            return parts
-        return leave_out(parts, self.target, self.intervals[0], ranged=False)
+        """As in `StudyResult`; and what each row takes of all that nobody gave."""
+        if self.quantity == "v50":
+            return leave_out_drawn(super().left_out, self.target.setup)
+        return (*say_nominal(self.target.setup, "v50"), *super().left_out)
 
     @property
     def _drawn(self):
         """The `Quantity` of its columns."""
         from weavecell.studies.sweep import QUANTITIES
 
-        quantity = QUANTITIES[self.quantity]
-        if self.intervals:
-            return quantity.over_unknown
-        return quantity
+        return QUANTITIES[self.quantity]
 
     def summary(self) -> dict[str, Any]:
         """Count the rows of each outcome."""
@@ -606,29 +537,27 @@ class SweepTable(StudyResult):
         return (f"{count} of {counted(len(self.rows), 'row')}",)
 
     @property
-    def headline(self) -> tuple[str, str]:
+    def answer(self) -> Answer:
+        """The lowest and the highest of the rows."""
         quantity = self._drawn
-        over = f"over {self._varied_words}"
-        label = find_axis(quantity.column).words.capitalize()
-        columns = [quantity.column]
-        if self.intervals:
-            columns = quantity.ends
-            over += " and what nobody knows"
-        found = [row.get(column) for row in self.rows for column in columns]
-        values = [value for value in found if value is not None]
-        outcomes = list(dict.fromkeys(row["outcome"] for row in self.rows))
-        # one that all share, such as "stopped", says more than their residual velocities of 0
-        if len(outcomes) == 1 and not any(values):
-            count = {1: "", 2: "both "}.get(len(self.rows), f"all {len(self.rows)} ")
-            return label, f"{count}{outcomes[0]}, {over}"
-        if not values:
-            return label, f"not found, {over}"
-        return label, f"{min(values):.1f} to {max(values):.1f} m/s {over}"
+        label = find_axis(quantity.column).words
+        found = [
+            (row[quantity.column], self._changes(row))
+            for row in self.rows
+            if row.get(quantity.column) is not None
+        ]
+        outcomes = Counter(row["outcome"] for row in self.rows)
+        value = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+        if any(one for one, _ in found):
+            (low, least), (high, most) = min(found), max(found)
+            value = f"{label} {low:.3g} m/s ({least}) to {high:.3g} m/s ({most}); {value}"
+        over = f"{counted(len(self.rows), 'row')} over {self._varied_words}"
+        return self._find_answer(self.title, value, over=over)
 
     @property
     def title(self) -> str:
         quantity = self.quantity.replace("-", " ")
-        return f"{self.target.setup.name}: {quantity} over {self._varied_words}"
+        return f"{self.target.setup.name}, {quantity} over {self._varied_words}"
 
     @property
     def _varied_words(self):
@@ -705,8 +634,6 @@ class SweepTable(StudyResult):
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}, as `StudyResult` does."""
         content: dict[str, Any] = {"quantity": self.quantity, "rows": self.rows}
-        if self.intervals:
-            content["runs"] = [[dict(run.row) for run in found.runs] for found in self.intervals]
         return {
             "sweep.json": content,
             "sweep.csv": self.to_csv(),
@@ -717,8 +644,6 @@ class SweepTable(StudyResult):
         """Write the lines that are printed."""
         from weavecell.studies.sweep import INTERVAL, MIXED, QUANTITIES
 
-        if self.intervals:
-            return self._lines_of_intervals()
         quantity = QUANTITIES[self.quantity]
         lines = []
         for row in self.rows:
@@ -736,17 +661,6 @@ class SweepTable(StudyResult):
         if SEED in self.keys and quantity.column == "residual_velocity_m_s":
             lines += self._scatter()
         return lines
-
-    def _lines_of_intervals(self):
-        """The answer of each row, with what is doubtful of its runs."""
-        lines = []
-        for row, found in zip(self.rows, self.intervals):
-            parts = [f"{self._changes(row)}: {found.words()}"]
-            if found.doubtful:
-                parts.append(row["checks"])
-            parts.append(row.get("widened", ""))
-            lines.append("; ".join(filter(None, parts)))
-        return [*lines, "an interval is the envelope of the runs of its row, and no bound"]
 
 
 def _fire(setup):

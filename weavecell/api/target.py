@@ -97,6 +97,43 @@ class Target:
         panel = self.case.scene.panel
         return panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set
 
+    @property
+    def is_placed(self) -> bool:
+        """Whether its input says which point is struck."""
+        from shellfabric.yarns.model import aim
+
+        if self.case is not None:
+            panel = self.case.scene.panel
+            return panel.impact_point is not None or panel.aim_seed is not None
+        return tuple(self.setup.impact_point) not in [(0.0, 0.0), aim(self.setup.fabric.weave)]
+
+    def nominal(self) -> Target:
+        """The target of the one run that stands for all draws."""
+        from weavecell.studies import unknown
+
+        target = self.resolved()
+        return replace(target, setup=unknown.choose_nominal(target.setup, self.is_placed))
+
+    def resolved(self) -> Target:
+        """The target with resolved yarns, if its input does not pin them and they can have what it asks for."""
+        from shellfabric.impact.run import check_impact
+        from weavecell.studies import places
+
+        if (
+            self.is_pinned
+            or self.setup.projectile.body == "metal"
+            or self.setup.surface is not None
+        ):
+            return self
+        setup = places.resolve(self.setup)
+        try:
+            # its table is taken from the cache folder, or is kept there for the run
+            check_impact(setup, setup.table(kept=True))
+        except InputError:
+            # a mesh of its own, say, which pinned yarns alone read
+            return replace(self, setup=replace(self.setup, instead=None))
+        return replace(self, setup=setup)
+
     def as_run(self, widened: str) -> Target:
         """Return the target as it was run: with all yarns resolved if its zone was too small.
 

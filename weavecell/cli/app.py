@@ -164,7 +164,9 @@ class _Lines(logging.Handler):
         self.printed: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.getMessage() in self.printed:
+        message = record.getMessage()
+        told = progress.told or record.levelno > logging.INFO or message.startswith("note: ")
+        if message in self.printed or not told:
             return
         self.printed.add(record.getMessage())
         progress.write(

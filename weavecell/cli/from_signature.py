@@ -2,10 +2,9 @@
 
 Of the function's parameters those of `ARGUMENTS` become arguments, the others options with their
 default; the help is the text of the docstring, that of an option what the section Parameters says.
-What is returned is printed; a doubtful result is exit code 3 where --strict is given. Three defaults
-differ: a command uses all cores, answers over the place and the frictions that nobody gave, and
-computes the range over what is assumed, if a law or the crimp is. A command of a group, such as
-`fabrics list`, has no folder of its own by default.
+What is returned is printed; a doubtful result is exit code 3 where --strict is given. Two defaults
+differ: a command uses all cores, and computes the range over what is assumed, if a law or the crimp
+is. A command of a group, such as `fabrics list`, has no folder of its own by default.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from fabrics.base.files import parse_toml
 from weavecell.api.lists import format_for_terminal
 from weavecell.api.result import Result
 from weavecell.report import checks
-from weavecell.results import glossary
+from weavecell.results import glossary, progress
 
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
 # what a function that takes it gets where neither the option nor --no-... is given
-LEFT_OUT = {"assumed_range": "laws", "interval": "open"}
+LEFT_OUT = {"assumed_range": "laws"}
 ARGUMENTS = ("target", "other", "tests", "fabric", "name", "file", "record")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 # options with another name than their parameter
@@ -72,7 +71,8 @@ def command(
     returns = inspect.signature(function).return_annotation
     has_checks = returns not in ("None", "DataFrame", "Tables", "Citations")
 
-    def call(strict: bool = False, **values: Any) -> None:
+    def call(strict: bool = False, verbose: bool = False, **values: Any) -> None:
+        progress.told = verbose or not has_checks or bool(values.get("check"))
         if has_checks and "out" in values and values["out"] is None:
             values["out"] = _folder(name, parameters, values)
         for key, value in values.items():
@@ -89,28 +89,22 @@ def command(
                 result = function(**chosen)
             except UnstableError as problem:
                 if problem.result is not None and "out" in values:
-                    print(problem.result, f"written to {values['out']}", sep="\n", flush=True)
+                    print(problem.result, flush=True)
                 raise
             except InputError as problem:
                 raise _name_option(problem, values) from None
         if returns == "DataFrame":
             print(format_for_terminal(result))
-        elif getattr(result, "read_from", None) is not None:
-            done = f"done before with the same input and code, in {result.read_from}"
-            answer = getattr(result, "answer", result.outcome)
-            print(result.mark(f"{result.title}: {answer}; {done}"))
+        elif isinstance(result, Result) and has_checks and not values.get("check"):
+            print(result, flush=True)
+            if getattr(result, "read_from", None) is not None:
+                print("done before with the same input and code")
+            if verbose:
+                print(result.details(), *result.assumed, sep="\n")
+                print(*glossary.lines(result.details(), result.checks), sep="\n", flush=True)
+                checks.report(result.checks)
         elif result is not None:
-            print(result)
-        if isinstance(result, Result) and has_checks:
-            # a run that was finished before had its words explained then
-            read_again = getattr(result, "read_from", None) is not None
-            printed = "\n".join((str(result), *result.assumed, result.checks_text))
-            explained = glossary.lines(printed, result.checks)
-            if explained and not read_again:
-                print("words:", *explained, sep="\n", flush=True)
-            if "out" in values and not values.get("check") and not read_again:
-                print(f"written to {values['out']}", flush=True)
-            checks.report(result.checks)
+            print(result, flush=True)
         if strict and result is not None and result.doubtful:
             # the folder of a run that was finished before
             doubts = "; ".join(getattr(result, "doubts", ()))
@@ -126,6 +120,9 @@ def command(
         strict = Annotated[bool, typer.Option("--strict", help=help_text)]
         only = inspect.Parameter.KEYWORD_ONLY
         signature.append(inspect.Parameter("strict", only, default=False, annotation=strict))
+        help_text = "Print all that is known of the result."
+        more = Annotated[bool, typer.Option("--verbose", "-v", help=help_text)]
+        signature.append(inspect.Parameter("verbose", only, default=False, annotation=more))
     made: Any = call
     made.__signature__ = inspect.Signature(signature)
     made.__annotations__ = {parameter.name: parameter.annotation for parameter in signature}

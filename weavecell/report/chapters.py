@@ -4,21 +4,17 @@ table."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics.base.counted import counted
-from fabrics.base.units import FACTORS
-from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.report import page, pictures, pictures_surface
-from weavecell.report.derived import density_kind, derive_rows
-from weavecell.report.page import Card, Figure, Report, Section, Table
-from weavecell.results import finding
-from weavecell.results.finding import Finding
+from weavecell.report.derived import derive_rows
+from weavecell.report.page import Figure, Report, Section, Table
+from weavecell.results.finding import Answer
 from weavecell.scenes import words
 
 if TYPE_CHECKING:
@@ -28,62 +24,6 @@ if TYPE_CHECKING:
 
 # [-] strains of the cell, to past the failure strain of the yarns
 STRAINS = np.linspace(0.0, 0.032, 97)
-
-
-def fabric_card(fabric: Fabric) -> Card:
-    """Write the card that says which fabric."""
-    weave = fabric.weave
-    written = fabric.sources.get("warp.linear_density", {}).get("value", "")
-    for unit in ("denier", "dtex", "tex"):
-        if unit in written:
-            break
-    else:
-        unit = "dtex"
-    warp, weft = (yarn.linear_density / FACTORS["kg/m"][unit] for yarn in weave.yarns)
-    density = f"{warp:.0f} / {weft:.0f} {unit}, warp / weft"
-    if fabric.effective_linear_density is not None:
-        kinds = {"effective": "from a measured areal density", "nominal": "of the data sheet"}
-        density += f", {kinds[density_kind(fabric)]}"
-    lines = (
-        density,
-        f"{1e3 * weave.areal_density:.1f} g/m², {1e3 * weave.thickness:.3f} mm thick",
-        f"crimp {100 * weave.warp.crimp:.2f} / {100 * weave.weft.crimp:.2f} %",
-        f"yarn strength {weave.warp.strength:.0f} / {weave.weft.strength:.0f} N",
-    )
-    return Card("Fabric", fabric.name, lines)
-
-
-def law_card(
-    law: CompressionLaw, published: CompressionLaw | None = None, source: str = ""
-) -> Card:
-    """Write the card that says which compression law, beside the published one; its constants if it
-    was fitted."""
-    title = "Compression of the yarns"
-    headline = source.partition(" (")[0]
-    # decoupled yarns do not compress each other
-    if law.a == law.b == 0:
-        return Card(title, headline or "none", ("none: the yarns keep their thickness",))
-    lines = [f"at a crossover by {1e6 * float(law.d(F)):.1f} µm under {F} N" for F in (10, 100)]
-    if published is not None:
-        lines.append(f"a = {1e3 * law.a:.4f} mm, b = {1e3 * law.b:.4f} mm N^(1/3)")
-        lines.append(f"published: {1e3 * published.a:.4f} mm, {1e3 * published.b:.4f} mm N^(1/3)")
-    if law.residual_rms is not None:
-        lines.append(f"residual of the fit {1e6 * law.residual_rms:.2f} µm rms")
-    return Card(title, headline or "given", tuple(lines))
-
-
-def law_cards(case: Any) -> tuple[Card, ...]:
-    """Write the card of the law of what was built from an input file; none of a response surface,
-    or without a file."""
-    if case is None or getattr(case, "surface", None) is not None:
-        return ()
-    if not case.materials:
-        return (law_card(case.laws[0], source=case.law_name),)
-    cards = []
-    for material in case.materials:
-        card = law_card(material.laws[0], source=material.law_name)
-        cards.append(replace(card, label=f"{card.label}, {material.fabric.name}"))
-    return tuple(cards)
 
 
 def mesh(facts: Mapping[str, str], picture: bytes) -> Section:
@@ -215,9 +155,10 @@ def sources(*fabrics: Fabric) -> Section:
     return Section(
         "sources",
         "Where each number comes from",
-        "Every input of the fabric as it stands in its data file. The thesis is the PhD thesis whose model is "
-        "implemented; tables and equations have its numbers, and E-nn are its errata (validation/reports/errata.md).",
+        "Every input of the fabric as it stands in its data file. Tables and equations have the numbers of the thesis; "
+        "E-nn are its errata.",
         tables=tuple(tables),
+        folded=True,
     )
 
 
@@ -258,42 +199,44 @@ def describe_shot(setup: ImpactSetup, scene: Scene | None, *, velocity: bool = F
     return f"{sentence} by {words.shot_in_words(scene.projectile)}."
 
 
+def movers(answer: Answer) -> Section:
+    """Tabulate what moves an answer, the most first, and what it leaves out."""
+    if all(one.moved is None for one in answer.movers):
+        rows = tuple((one.what, one.settle) for one in answer.movers)
+        table = Table(("not varied", "measure, give or run"), rows)
+        return Section("movers", "What the answer leaves out", tables=(table,))
+    listed = []
+    for one in answer.ranked:
+        moved = "not computed" if one.moved is None else f"{one.moved:.3g} m/s"
+        listed.append((one.what, moved, one.settle))
+    table = Table(("what", "moves it by", "measure, give or run"), tuple(listed))
+    return Section("movers", "What moves the answer", tables=(table,))
+
+
 def report(
-    title: str,
     lead: str,
     fabrics: Sequence[Fabric],
-    cards: Sequence[Card],
     sections: Iterable[Section],
     stamp: Mapping[str, Any],
     seconds: Mapping[str, float],
-    found: Finding,
-    outcome: str = "",
+    answer: Answer,
     more: tuple[Table, ...] = (),
+    beside: tuple[Figure, ...] = (),
 ) -> Report:
-    """Build the page of any result: what it found as its banner and on its first card, those of its
-    fabrics, the others; sources and the making at the end.
+    """Build the page of any result: its answer, what moves it, its sections; sources and the making
+    at the end.
 
     Parameters
     ----------
     stamp : of `results.provenance.stamp`
     seconds : {stage: wall time [s]}
-    found : colours banner and first card, and names the doubts there
-    outcome : the banner in place of label and value of `found`, without doubts
     more : tables of the making
+    beside : picture beside the answer
     """
-    first, *others = cards or (Card(found.label, found.value),)
-    cards = (first.with_doubts(found), *map(fabric_card, fabrics), *others)
-    banner = finding.mark(outcome or f"{found.label}: {found.value}.", found.doubts)
-    sections = (*sections, sources(*fabrics), making(stamp, seconds, more))
-    return Report(
-        title,
-        lead,
-        (cards,),
-        sections,
-        f"weavecell {stamp['weavecell']}, {stamp['date']}",
-        banner,
-        found.tone,
-    )
+    listed = [movers(answer)] if answer.movers else []
+    sections = (*listed, *sections, sources(*fabrics), making(stamp, seconds, more))
+    footer = f"weavecell {stamp['weavecell']}, {stamp['date']}"
+    return Report(answer, lead, sections, footer, beside)
 
 
 def write(out: Path, *contents: Any, **more: Any) -> None:

@@ -91,4 +91,4 @@ def section(indicators: Sequence[Indicator]) -> Section:
         )
     columns = ("indicator", "value", "limit", "status", "value is")
     table = Table(columns, tuple(rows), numeric=columns[1:3])
-    return Section("checks", "Quality checks", lead, tables=(table,))
+    return Section("checks", "Quality checks", lead, tables=(table,), folded=True)

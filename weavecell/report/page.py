@@ -1,4 +1,4 @@
-"""One self-contained HTML page from cards, sections, figures and tables: no file beside it, nothing
+"""One self-contained HTML page from an answer, sections, figures and tables: no file beside it, nothing
 fetched.
 
 This file knows how a report is built and nothing of mechanics; `chapters.py` turns results into its
@@ -8,8 +8,8 @@ parts.
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -23,25 +23,9 @@ from weavecell.results import glossary
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from weavecell.results.finding import Finding
+    from weavecell.results.finding import Answer
 
 _MIME = {"svg": "image/svg+xml", "png": "image/png", "gif": "image/gif"}
-
-
-@dataclass(frozen=True)
-class Card:
-    """One thing the reader must know in the first ten seconds."""
-
-    label: str
-    headline: str
-    lines: tuple[str, ...] = ()
-    tone: str = (
-        "plain"  # "stopped", "perforated", "unstable", "doubtful" colour the card; "plain" does not
-    )
-
-    def with_doubts(self, found: Finding) -> Card:
-        """Return the card of what was found, in its colour, with what is doubtful of it first."""
-        return replace(self, lines=(*found.lines, *self.lines), tone=found.tone)
 
 
 @dataclass(frozen=True)
@@ -64,14 +48,14 @@ class Figure:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts under a heading; columns named in `numeric` are set flush right, and a `folded`
-    one is opened by a click on its caption."""
+    """Rows of texts under a heading; columns named in `numeric` are set flush right, and `tips` say
+    more of a heading, such as its key."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
     numeric: tuple[str, ...] = ()
-    folded: bool = False
+    tips: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def from_frame(cls, frame: DataFrame, caption: str = "", numeric: Iterable[str] = ()) -> Table:
@@ -105,13 +89,16 @@ class Section:
 class Report:
     """The whole page."""
 
-    title: str
+    answer: Answer
     subtitle: str
-    cards: tuple[tuple[Card, ...], ...]  # in rows
     sections: tuple[Section, ...]
     footer: str = ""
-    outcome: str = ""  # the result in one line
-    tone: str = "plain"  # as in Card
+    beside: tuple[Figure, ...] = ()  # picture beside the answer
+
+    @property
+    def title(self) -> str:
+        """Of the page."""
+        return self.answer.subject
 
 
 @explain_missing()

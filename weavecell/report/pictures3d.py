@@ -17,7 +17,10 @@ from fabrics.base.checks import FloatArray
 from weavecell.report.pictures_style import CLAY, RED, STEEL, tension_map
 
 # [pixels] width and height of an image
+# pixels of a picture of a series
 SIZE = (1120, 612)
+# of one that a page shows, as large as it has it
+STILL = (844, 461)
 # The projectile is drawn this far [m] behind where it is: fabric that it touches would else be
 # drawn inside of it.
 _CLOTH_DEPTH = 1e-3
@@ -38,6 +41,7 @@ def panel(
     *,
     front: bool = False,
     face: FloatArray | None = None,
+    still: bool = False,
 ) -> np.ndarray:
     """Draw a panel in parallel projection: the image (rows, columns, 3).
 
@@ -48,13 +52,14 @@ def panel(
     half_height, centre : [m] of what is seen
     front : whether the panel is seen from the side that is struck
     face : (a, b, 3) [m] of `open_faces`, of a block behind the panel
+    still : whether it is one picture of a page, which shows it at half of its size and so smooth
     """
     import pyvista
 
     from weavecell.report.pictures_mesh import plotter
 
     viewer = _toward_viewer(front)
-    scene = plotter(SIZE, "three lights")
+    scene = plotter(STILL if still else SIZE, "three lights", smooth=not still)
     try:
         fabric = colour_grid(grid, strength, mirrors)
         scene.add_mesh(fabric, scalars="colour", rgb=True, ambient=0.5, diffuse=0.5)

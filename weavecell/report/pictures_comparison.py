@@ -3,77 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_beside
+from weavecell.report.pictures_style import BLUE, FAINT, INK, ORANGE, legend_below, legend_beside
 from weavecell.report.pictures_style import COLOURS as COLOURS_OF_MANY
 from weavecell.results.keys import find_axis
-
-if TYPE_CHECKING:
-    from weavecell.studies.interval_difference import IntervalDifference
 
 COLOURS = {"A": BLUE, "B": ORANGE}
 
 
 def difference(pyplot: Any, result: Any) -> Any:
-    """Draw the outcomes of the shots at A and B with the curves of V50, or residual velocities about
-    the limits; below the difference with what widens it.
+    """Draw the outcomes of the shots at A and B with the shares that pass; below the difference.
 
     Parameters
     ----------
     result : weavecell.api.comparison.ComparisonResult
     """
-    figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(9, 7.4), height_ratios=(2.2, 1))
+    figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(5.6, 6), height_ratios=(3, 1))
     for name, one in zip(result.names, (result.a, result.b)):
         colour = COLOURS[name[0]]
-        if result.quantity == "v50":
-            _draw_probability(axis, one, name, colour)
-        else:
-            _draw_residuals(axis, one, name, colour)
+        _draw_probability(axis, one, name, colour)
     axis.set(xlabel=find_axis("strike_velocity_m_s").label)
-    legend_beside(axis)
+    legend_below(axis, columns=1)
     found = result.difference
-    bars = {"by the shots": (found.low, found.high)}
-    around = result.assumed_range
-    if around is not None:
-        bars["with what is assumed"] = result.interval
-    for row, ends in enumerate(bars.values()):
-        if np.isfinite(ends).all():
-            lower.plot(ends, [row, row], lw=7, color=FAINT, alpha=0.6, solid_capstyle="butt")
-        lower.plot(found.value, row, "D", color=INK)
+    ends = found.low, found.high
+    if np.isfinite(ends).all():
+        lower.plot(ends, [0, 0], lw=7, color=FAINT, alpha=0.6, solid_capstyle="butt")
+    lower.plot(found.value, 0, "D", color=INK)
     lower.axvline(0, color=INK, lw=1)
-    lower.set_yticks(range(len(bars)), bars)
-    lower.set_ylim(len(bars) - 0.4, -0.6)
+    lower.set_yticks([])
     lower.grid(axis="y", visible=False)
     lower.set(xlabel="A less B [m/s]: above 0, A is better")
-    return figure
-
-
-def draw_pairs(pyplot: Any, difference: IntervalDifference) -> Any:
-    """Draw the difference of each pair of runs, with places and frictions at its side, and the band of
-    all."""
-    pairs = difference.pairs
-    figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.62 * len(pairs)))
-    for row, pair in enumerate(pairs):
-        found = pair.subtract()
-        if found is not None:
-            value, *ends = found
-            axes.plot(ends, [row, row], lw=7, color=FAINT, alpha=0.6, solid_capstyle="butt")
-            axes.plot(value, row, "D", color=INK)
-    if (span := difference.span()) is not None:
-        axes.axvspan(*span, color=FAINT, alpha=0.15, lw=0)
-    axes.axvline(0, color=INK, lw=1)
-    names = []
-    for pair in pairs:
-        of_a, of_b = pair.a.name, pair.b.name
-        alike = of_a == of_b
-        names.append(of_a if alike else f"A: {of_a}\nB: {of_b}")
-    axes.set_yticks(range(len(pairs)), names)
-    axes.set_ylim(len(pairs) - 0.4, -0.6)
-    axes.grid(axis="y", visible=False)
-    axes.set(xlabel="A less B [m/s]: above 0, A is better")
     return figure
 
 
@@ -83,25 +45,16 @@ def _draw_probability(axis, result, name, colour):
     V = np.array([shot.velocity for shot in shots])
     hit = np.array([shot.perforated for shot in shots])
     lift = 0.05 if name[0] == "B" else 0.0
-    curve = result.study.curves["probit"]
-    label = f"{name}: V50 {curve.V50:.1f} m/s"
-    if curve.reason:
+    label = f"{name}: V50 {result.v50:.3g} m/s"
+    posterior = result.study.posterior
+    if posterior is None:
         axis.plot([], [], color=colour, label=f"{name}: no V50")
     else:
-        grid = np.linspace(V.min(), V.max(), 300)
-        axis.plot(grid, curve.probability(grid), color=colour, label=label)
+        grid = np.linspace(V.min(), V.max(), 81)
+        axis.plot(grid, [span.value for span in posterior.passing(grid)], color=colour, label=label)
     axis.plot(V[~hit], np.full((~hit).sum(), -0.05 - lift), "o", ms=5, mfc="none", color=colour)
     axis.plot(V[hit], np.full(hit.sum(), 1.05 + lift), "s", ms=4.5, color=colour)
-    axis.set(ylabel="probability of perforation [-]", ylim=(-0.16, 1.16))
-
-
-def _draw_residuals(axis, result, name, colour):
-    """Residual velocities, and the bracket or the zone of mixed outcomes."""
-    V = [shot.strike_velocity for shot in result.shots]
-    residual = [shot.residual_velocity for shot in result.shots]
-    axis.plot(V, residual, "o", ms=5, color=colour, label=name)
-    axis.axvspan(*(result.mixed_zone or result.bracket), color=colour, alpha=0.35, lw=1)
-    axis.set(ylabel=find_axis("residual_velocity_m_s").label)
+    axis.set(ylabel="share that passes [-]", ylim=(-0.16, 1.16))
 
 
 def draw_shots(pyplot: Any, shots: Mapping[str, Any]) -> Any:

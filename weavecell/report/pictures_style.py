@@ -37,6 +37,12 @@ def legend_beside(axes: Any, **looks: Any) -> None:
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **looks)
 
 
+def legend_below(axes: Any, columns: int = 2, **looks: Any) -> None:
+    """Place the legend of some axes below all of the figure, which a phone shows as wide as itself."""
+    listed = axes.get_legend_handles_labels()
+    axes.figure.legend(*listed, loc="outside lower center", ncols=columns, **looks)
+
+
 def tension_map() -> Any:
     """Return the colour map of tensions."""
     from matplotlib.colors import LinearSegmentedColormap

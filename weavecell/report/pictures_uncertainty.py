@@ -3,13 +3,11 @@ sweeps."""
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fabrics.base.counted import counted
 from weavecell.report.pictures_style import (
     BLUE,
     COLOURS,
@@ -18,23 +16,24 @@ from weavecell.report.pictures_style import (
     INK,
     ORANGE,
     RED,
+    legend_below,
     legend_beside,
 )
 from weavecell.results.keys import find_axis
-from weavecell.studies import probit
+from weavecell.studies import drawn
+from weavecell.studies.unknown import FRICTIONS
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.interval import Interval
+    from weavecell.studies.passing import Passing
     from weavecell.studies.sweep import Quantity
     from weavecell.studies.v50 import Study
 
-ANSWER = 84  # letters of a line of the title of an interval
-LINE = 0.26  # inch: of such a line
-
-_PROBABILITIES = np.linspace(0.01, 0.99, 33)
+NARROW = (
+    5.6  # inch: of a picture that a page shows beside its answer, and a phone as wide as itself
+)
 
 
 def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
@@ -56,60 +55,29 @@ def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
     return figure
 
 
-def perforation(pyplot: Any, study: Study, title: str) -> Any:
-    """Draw the fitted curves with the interval of the probit, shots, and limit without scatter;
-    residual velocities below."""
+def perforation(pyplot: Any, study: Study) -> Any:
+    """Draw the share that passes over velocity with its interval, and the shots by outcome."""
     V = np.array([shot.velocity for shot in study.shots])
     hit = np.array([shot.perforated for shot in study.shots])
-    curve = study.curves["probit"]
-    figure, (axis, lower) = pyplot.subplots(
-        2, 1, figsize=(9, 9.4), sharex=True, height_ratios=(1.3, 1)
-    )
-    left = V.min() - 2
-    right = V.max() + 2
-    if not curve.reason:
-        edges = probit.band(V, hit, curve, _PROBABILITIES)
-        ends = np.maximum(edges[:, 0], left), np.minimum(edges[:, 1], right)
-        label = f"{100 * curve.confidence:g} % of the probit, with a prior"
-        axis.fill_betweenx(_PROBABILITIES, *ends, color=BLUE, alpha=0.18, lw=0, label=label)
-        grid = np.linspace(left, right, 400)
-        logit = study.curves["logit"].probability(grid)
-        axis.plot(grid, curve.probability(grid), color=BLUE, label="probit")
-        axis.plot(grid, logit, color=GREEN, ls="--", label="logit")
+    figure, axis = pyplot.subplots(figsize=(NARROW, 4.6))
+    if study.posterior is not None:
+        ends = np.array([*study.posterior.velocities.values()])
+        grid = np.linspace(min(V.min(), ends.min()), max(V.max(), ends.max()), 81)
+        middle, low, high = np.array(study.posterior.passing(grid)).T
+        axis.fill_between(grid, low, high, color=BLUE, alpha=0.18, lw=0, label="90 % interval")
+        axis.plot(grid, middle, color=BLUE, label="share that passes")
+        for level, (name, span) in zip(drawn.LEVELS, study.posterior.velocities.items()):
+            axis.plot([span.low, span.high], [level, level], color=ORANGE, lw=3, alpha=0.8)
+            axis.plot(span.value, level, "D", color=ORANGE)
+            place = {"xytext": (0, 8), "textcoords": "offset points", "ha": "right"}
+            axis.annotate(f"{name} {span.value:.3g} ", (span.value, level), **place)
     lift = 0.012 * (np.arange(V.size) % 5)
-    residual = np.array([shot.residual for shot in study.shots])
-    for axes, stopped, through in (
-        (axis, -0.03 - lift, 1.03 + lift),
-        (lower, residual, residual),
-    ):
-        axes.plot(V[~hit], stopped[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
-        axes.plot(V[hit], through[hit], "s", ms=4.5, color=RED, label="perforated")
-    parts = np.array_split(np.argsort(V), max(1, V.size // 10))
-    places = [V[part].mean() for part in parts]
-    shares = [hit[part].mean() for part in parts]
-    if parts[1:]:
-        label = f"share of {counted(len(parts[-1]), 'shot')}"
-    else:
-        label = f"share of all {counted(V.size, 'shot')}"
-    axis.plot(places, shares, "D", ms=6, color=FAINT, label=label)
-    axis.axvspan(
-        *study.deterministic,
-        color=ORANGE,
-        alpha=0.8,
-        lw=1,
-        label="limit without scatter",
-    )
-    axis.set(ylabel="probability of perforation [-]", title=title)
-    axis.set(xlim=(left, right), ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
-    legend_beside(axis)
-    fit = study.lambert_jonas
-    if not fit.reason:
-        lower.plot(*fit.sample(right), color=BLUE, label="Lambert-Jonas")
-    lower.set(
-        xlabel=find_axis("strike_velocity_m_s").label,
-        ylabel=find_axis("residual_velocity_m_s").label,
-    )
-    legend_beside(lower)
+    axis.plot(V[~hit], (-0.03 - lift)[~hit], "o", ms=5, mfc="none", color=INK, label="stopped")
+    axis.plot(V[hit], (1.03 + lift)[hit], "s", ms=4.5, color=RED, label="perforated")
+    axis.set(xlabel=find_axis("strike_velocity_m_s").label, ylabel="share that passes [-]")
+    axis.set(ylim=(-0.12, 1.12), yticks=np.linspace(0, 1, 6))
+    axis.margins(x=0.08)
+    legend_below(axis)
     return figure
 
 
@@ -135,7 +103,7 @@ def sweep(
     table : a row each
     others : the other keys, columns of the table
     """
-    figure, axes = pyplot.subplots(figsize=(9, 5))
+    figure, axes = pyplot.subplots(figsize=(NARROW, 4.2))
     table = table.reindex(
         columns=list(dict.fromkeys((*table, quantity.column, *(quantity.ends or ()))))
     )
@@ -194,33 +162,36 @@ def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantit
     return figure
 
 
-def draw_interval(pyplot: Any, interval: Interval, label: str) -> Any:
-    """Draw the value of each run of an interval below its answer, with place and frictions at its
-    side; a ring is a stop, and the band all runs.
-
-    Parameters
-    ----------
-    label : of the axis of velocities
-    """
-    runs = interval.runs
-    answer = textwrap.wrap(interval.words(), ANSWER)
-    height = 1.8 + 0.42 * len(runs) + LINE * len(answer)
-    figure, axes = pyplot.subplots(figsize=(9, height))
-    figure.suptitle("\n".join(answer))
-    for row, run in enumerate(runs):
-        look: dict[str, Any] = {"color": BLUE}
-        if run.outcome == "stopped":
-            look = {"mfc": "white", "mec": GREEN, "mew": 1.8}
-        elif run.outcome == "perforated":
-            look = {"color": RED}
-        ends = [run.row.get(name) for name in ("lower_m_s", "upper_m_s")]
-        if None not in ends:
-            axes.plot(ends, [row, row], "-", color=BLUE, lw=1.5)
-        if run.value is not None:
-            axes.plot([run.value], [row], "o", ms=7, **look)
-    if interval.low is not None and interval.high is not None:
-        axes.axvspan(interval.low, interval.high, color=FAINT, alpha=0.25, lw=0)
-    axes.set_yticks(range(len(runs)), [run.name for run in runs])
-    axes.set_ylim(len(runs) - 0.5, -0.5)
-    axes.set(xlabel=label)
+def draw_passing(pyplot: Any, found: Passing) -> Any:
+    """Draw drawn shots over the first two frictions that nobody gave, with what is left of those that
+    pass [m/s]; over one friction or their numbers, against residual velocity."""
+    known = [FRICTIONS[name] for name in found.unknown][:2]
+    hit = np.array([shot.perforated for shot in found.shots])
+    left = np.where(hit, [shot.residual for shot in found.shots], 0.0)
+    columns = [[shot.frictions[one.column] for shot in found.shots] for one in known]
+    labels = [f"{one.words} [-]" for one in known]
+    if not known:
+        columns, labels = [[shot.number for shot in found.shots]], ["number of the draw"]
+    if len(columns) == 1:
+        columns, labels = [*columns, left], [*labels, find_axis("residual_velocity_m_s").label]
+    x, y = np.array(columns, float)
+    figure, axis = pyplot.subplots(figsize=(NARROW, 4.6))
+    axis.plot(x[~hit], y[~hit], "o", ms=9, mfc="none", mew=1.8, color=GREEN, label="stopped")
+    label = "perforated"
+    if len(known) == 2:
+        label = "perforated, with m/s left"
+        for at, velocity in zip(zip(x[hit], y[hit]), left[hit]):
+            axis.annotate(f"{velocity:.0f}", at, xytext=(7, 4), textcoords="offset points")
+        axis.set(xlim=_pad(found, 0), ylim=_pad(found, 1))
+    axis.plot(x[hit], y[hit], "s", ms=8, color=RED, label=label)
+    axis.set(xlabel=labels[0], ylabel=labels[1])
+    axis.locator_params(nbins=5)
+    legend_below(axis)
     return figure
+
+
+def _pad(found, axis):
+    """The range of a friction, with room for marks at its ends."""
+    low, high = [*found.unknown.values()][axis]
+    room = 0.06 * (high - low)
+    return low - room, high + room

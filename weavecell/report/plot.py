@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from weavecell.report.pictures_style import FAINT, legend_beside
+from weavecell.report.pictures_style import FAINT, legend_below
 from weavecell.results import display, keys
 
 
@@ -59,8 +59,8 @@ class Plot:
         """Draw it with matplotlib."""
         x, y = keys.infer_key(self.x), keys.infer_key(self.y)
         across, up = (display.choose_unit(key.unit)[1] for key in (x, y))
-        figure, axes = pyplot.subplots(figsize=(10.4, 5.2))
-        axes.set(title=self.title, xlabel=x.label, ylabel=y.label)
+        figure, axes = pyplot.subplots(figsize=(5.6, 5))
+        axes.set(xlabel=x.label, ylabel=y.label)
         axes.set(xlim=[across * end for end in self.xlim], ylim=[up * end for end in self.ylim])
         if self.diagonal:
             ends = [across * end for end in self.xlim]
@@ -75,5 +75,5 @@ class Plot:
                 axes.axvspan(*places, **looks)
             else:
                 axes.axvline(*places, **looks)
-        legend_beside(axes, labelspacing=0.9)
+        legend_below(axes, columns=1)
         return figure

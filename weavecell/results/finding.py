@@ -1,10 +1,9 @@
-"""What a result found, with what is doubtful of it: one object, from which every place that shows
-the result takes both.
+"""The answer of a result: one object, from which every place that shows the result takes its words.
 
-The first line in a terminal and a notebook, banner, card and colour of a page, title and legend of
-a picture, and the JSON file have their words and their colour from here, so that none of them can
-show a number as sure that another one doubts. A picture is drawn far from its result: while a result
-is shown (`showing`), all pictures say what is doubtful of it (`report.pictures_figure.complete`).
+What a terminal and a notebook print, top and colour of a page, and the JSON file are `Answer.rows`, so
+that none of them can show a number as sure that another one doubts. A picture is drawn far from its
+result: while a result is shown (`showing`), all pictures say what is doubtful of it
+(`report.pictures_figure.complete`).
 """
 
 from __future__ import annotations
@@ -12,50 +11,132 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
 PLAIN = "plain"
+COLOURED = ("stopped", "perforated", "unstable")
+CLEAR = "no check beyond its limit"
+DEPENDS = "depends"  # outcome of shots that differ
 TONE_OF_DOUBT = "doubtful"
 _SHOWN: ContextVar[tuple[str, ...]] = ContextVar("doubts of the result that is shown", default=())
 
 
 @dataclass(frozen=True)
-class Finding:
-    """What a result found.
+class Mover:
+    """What moves an answer.
 
     Parameters
     ----------
-    label : what was looked for
-    value : what was found, in words
-    doubts : what of it is doubtful
-    outcome : "stopped", "perforated" or "unstable", which colours it; "plain" does not
+    what : in a few words
+    settle : what to measure, give or run
+    moved : [m/s] by which it alone moves the answer; None if that was not computed
     """
 
-    label: str
+    what: str
+    settle: str = ""
+    moved: float | None = None
+
+    def __str__(self) -> str:
+        if self.moved is None:
+            return self.what
+        return f"{self.what} {self.moved:.3g} m/s"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a result came to.
+
+    Parameters
+    ----------
+    subject : what was asked about
+    value : the answer with its uncertainty
+    doubts : what of it is doubtful, with numbers
+    outcome : "stopped", "perforated" or "unstable", which colours it, or "depends"; "plain" does not
+    over : what was run for it
+    movers : what moves it, and what it leaves out
+    advice : what to do first
+    near : checks within their limits that come near them
+    """
+
+    subject: str
     value: str
     doubts: tuple[str, ...] = ()
     outcome: str = PLAIN
+    over: str = ""
+    movers: tuple[Mover, ...] = ()
+    advice: tuple[str, ...] = ()
+    near: tuple[str, ...] = ()
 
     @property
     def tone(self) -> str:
         """The colour: what is doubtful is neither green nor red."""
-        if self.doubts and self.outcome != "unstable":
+        if (self.doubts or self.outcome == DEPENDS) and self.outcome != "unstable":
             return TONE_OF_DOUBT
-        return self.outcome
+        return self.outcome if self.outcome in COLOURED else PLAIN
 
     @property
-    def lines(self) -> tuple[str, ...]:
-        """The line of a card that names the doubts; none without."""
-        if not self.doubts:
-            return ()
-        return (name(self.doubts),)
+    def ranked(self) -> list[Mover]:
+        """What moves it, the most first; then what was not computed."""
+        return sorted(
+            self.movers, key=lambda one: -1 if one.moved is None else one.moved, reverse=True
+        )
+
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """(what a user asks, the answer to it), seven at most."""
+        moved = [one for one in self.ranked if one.moved is not None]
+        advice = (*self.advice, *(one.settle for one in self.ranked if one.moved != 0))
+        found = {
+            "answer": f"DOUBTFUL: {self.value}" if self.doubts else self.value,
+            "over": self.over,
+            "moved by": _list(moved, ", "),
+            "leaves out": _list([one for one in self.movers if one.moved is None], "; "),
+            "doubts": _list(self.doubts, "; ", 2) or _list((CLEAR, *self.near), "; near: ", 2),
+            "next": _list(dict.fromkeys(filter(None, advice)), "; ", 3, ""),
+        }
+        return [(label, words) for label, words in found.items() if words]
+
+    def lines(self, folder: Path | None = None) -> list[str]:
+        """Write the eight lines that are printed; the last says where the files are."""
+        rows = self.rows
+        if folder is not None:
+            page = folder / "report.html"
+            rows.append(("files", str(page if page.is_file() else folder)))
+        return [self.subject, *(f"{label:<11} {words}" for label, words in rows)]
+
+    def entry(self) -> dict[str, Any]:
+        """Return it as plain types, for a JSON file."""
+        return asdict(self)
+
+    @classmethod
+    def read(cls, entry: dict[str, Any]) -> Self:
+        """Return the Answer of an entry of a JSON file."""
+        movers = tuple(Mover(**one) for one in entry["movers"])
+        texts = {name: tuple(entry[name]) for name in ("doubts", "advice", "near")}
+        return cls(**(entry | texts | {"movers": movers}))
+
+    @property
+    def line(self) -> str:
+        """Subject and value, without what is doubtful."""
+        return f"{self.subject}: {self.value}"
 
     def __str__(self) -> str:
-        return mark(f"{self.label} {self.value}", self.doubts)
+        return mark(self.line, self.doubts)
+
+
+def _list(parts, mark, most=4, more="{} more"):
+    """Some of several things, and how many others there are."""
+    listed = [*map(str, parts)]
+    rest = len(listed) - most
+    shown = listed[:most]
+    if rest > 0 and more:
+        shown.append(more.format(rest))
+    return mark.join(shown)
 
 
 @contextmanager

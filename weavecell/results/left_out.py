@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fabrics.base.door import option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from shellfabric.impact.setup import ImpactSetup
 
@@ -28,17 +28,24 @@ class LeftOut:
     Parameters
     ----------
     kind : MESH, SAMPLING, DATA or MODEL
-    brief : of a headline; "" where it says nothing of it
+    brief : in a few words
     text : what is left out, and what covers it
+    settle : what to run or to give
     """
 
     kind: str
     brief: str
     text: str
+    settle: str = ""
 
 
 def find_left_out(
-    setup: ImpactSetup, around: Any = None, *, mesh_compared: bool = False, drawn: bool = False
+    setup: ImpactSetup,
+    around: Any = None,
+    *,
+    mesh_compared: bool = False,
+    drawn: bool = False,
+    one_shot: bool = False,
 ) -> tuple[LeftOut, ...]:
     """List what a velocity computed for a set-up leaves out.
 
@@ -47,66 +54,73 @@ def find_left_out(
     around : AssumedRange that stands beside the number, or None
     mesh_compared : whether the result has a discretisation uncertainty
     drawn : whether yarns of drawn strengths were shot at
+    one_shot : whether it is of an impact, which compares meshes
     """
     from shellfabric.impact.proposals import fill
-    from weavecell.studies import assumed_range
+    from weavecell.studies import assumed_range, unknown
 
     found = []
     if setup.crossovers is None:
         nose = "no slip, pull-out or opening of the weave"
         nose += "; a nose may push slippery yarns aside and pass far below a limit"
         text = f"yarns are pinned where they cross: {nose}"
-        if words := fill("{resolved yarns}", setup):
+        words = fill("{resolved yarns}", setup)
+        if words:
             text += f" ({words})"
-        found.append(LeftOut(MODEL, "yarns pinned", text))
-    names = ", ".join(assumed_range.changes(setup))
-    friction = name_friction(setup, around)
+        found.append(LeftOut(MODEL, "slip of yarns, which are pinned", text, words))
+    nominal = unknown.find_unknown(setup)
+    listed = [name for name in assumed_range.changes(setup) if name not in nominal]
+    names = ", ".join(listed)
+    friction = ""
+    if around is not None and setup.crossovers is not None:
+        # an answer rests on it first
+        friction = around.over_friction_between_yarns
     if around is None and names:
-        first = f"{friction}; " if friction else ""
-        brief = f"{first}range over what is assumed not computed"
-        text = f"{first}the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
-        found.append(LeftOut(DATA, brief, text))
-    elif around is not None and friction:
+        text = f"the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
+        found.append(LeftOut(DATA, name_some(listed), text, option("assumed_range")))
+    elif friction:
         found.append(LeftOut(DATA, friction, f"{around.quantity} rests on {friction}"))
     if not mesh_compared:
         way = option("uncertainty")
         text = f"the error of the mesh is not computed; {way} of an impact, or docs/accuracy.md"
-        found.append(LeftOut(MESH, "", text))
+        found.append(LeftOut(MESH, "mesh", text, way if one_shot else ""))
     if not drawn and setup.strength is None:
-        found.append(LeftOut(SAMPLING, "", "all yarns have one strength; v50 draws them"))
+        text = "all yarns have one strength; v50 draws them"
+        found.append(LeftOut(SAMPLING, "scatter of yarns", text, "v50"))
     return tuple(found)
 
 
-def name_friction(setup: ImpactSetup, around: Any = None) -> str:
-    """Name the friction between resolved yarns with its interval, where it is assumed: an answer
-    rests on it first. With the velocities over that interval, where these were computed.
+def say_nominal(setup: ImpactSetup, way: str) -> tuple[LeftOut, ...]:
+    """Say that one run stands for what nobody gave, at nominal values, which `way` draws."""
+    from weavecell.studies import unknown
 
-    Parameters
-    ----------
-    around : AssumedRange of the answer, or None
-    """
-    if setup.crossovers is None:
-        return ""
-    if around is not None:
-        return around.over_friction_between_yarns
-    if not setup.crossovers.friction_range:
-        return ""
-    return "friction between yarns assumed, {:g} to {:g}".format(*setup.crossovers.friction_range)
+    ranges = unknown.find_unknown(setup)
+    if not ranges:
+        return ()
+    said = unknown.say(ranges)
+    if setup.crossovers is not None:
+        said = f"{unknown.PLACE}, {said}"
+    text = f"it is at nominal values of what nobody gave: {said}; {way} draws them"
+    return (LeftOut("what nobody gave", said, text, way),)
 
 
-def brief_words(left_out: Iterable[LeftOut], chosen: str = "") -> str:
-    """Say in a few words, for a headline, what is left out.
+def leave_out_drawn(parts: Sequence[LeftOut], setup: ImpactSetup) -> tuple[LeftOut, ...]:
+    """Return what is left out of numbers over all that is drawn: of what is assumed that which is not."""
+    from weavecell.studies import assumed_range, unknown
 
-    Parameters
-    ----------
-    chosen : whether yarns are pinned or resolved and why, if the checks chose: in place of that they
-        are pinned, and behind the friction that resolved ones rest on
-    """
-    parts = [part for part in left_out if part.brief]
-    words = [part.brief for part in parts if not (chosen and part.kind == MODEL)]
-    pinned = len(words) < len(parts)
-    words.insert(0 if pinned else len(words), chosen)
-    return "; ".join(filter(None, words))
+    drawn = unknown.find_unknown(setup)
+    names = [name for name in assumed_range.changes(setup) if name not in drawn]
+    others = tuple(part for part in parts if part.kind != DATA)
+    if not names:
+        return others
+    return LeftOut(DATA, name_some(names), f"not drawn: {', '.join(names)}"), *others
+
+
+def name_some(names: list[str]) -> str:
+    """Name the first two of several things, and say how many others there are."""
+    if len(names) < 4:
+        return ", ".join(names)
+    return f"{', '.join(names[:2])} and {len(names) - 2} more inputs"
 
 
 def lines_of(left_out: Iterable[LeftOut]) -> list[str]:

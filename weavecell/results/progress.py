@@ -20,6 +20,8 @@ DELAY = 1.0
 # [s] between the lines of a batch job: more lines only fill its log
 _EVERY = 30.0
 shown = False
+# whether the command line prints what is assumed and what comes next
+told = True
 
 
 class _Log:

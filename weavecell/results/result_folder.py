@@ -23,6 +23,7 @@ from fabrics.base.files import parse_toml, read_bytes
 from fabrics.base.read_formats import format_of_hdf5, read_hdf5
 from weavecell.results import file_list, keys, one_table, run_folder
 from weavecell.results.file_list import FileList
+from weavecell.results.finding import Answer
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.scenes import kept_files
 
@@ -54,7 +55,6 @@ class Kind(NamedTuple):
 # {JSON file: kind of result}; a folder has the first that is there
 KINDS = {
     "difference.json": Kind("difference", "difference.csv"),
-    "interval-difference.json": Kind("interval_difference", "interval-difference.csv"),
     "comparison.json": Kind("comparison", "shots.csv"),
     "critical-velocity.json": Kind("critical_velocity", "shots.csv"),
     "v50.json": Kind("v50", "shots.csv"),
@@ -72,7 +72,7 @@ KINDS = {
     SUMMARY: Kind("coupon", "coupon.csv"),
 }
 # {table that several kinds of result may have: table of keys.toml that says what it has}
-BESIDE = {"interval.csv": "interval"}
+BESIDE = {"draws.csv": "v50"}
 WITHOUT_LIST = f"has no {file_list.NAME}: whether its files were changed cannot be told"
 
 
@@ -174,6 +174,13 @@ class ResultFolder:
         InputError : no histories.h5 of an impact
         """
         return read_record(self.folder / HISTORIES, kind)
+
+    def read_answer(self) -> Answer | None:
+        """Read the answer that its summary.json says; None of an impact of an older version."""
+        if not self.has(SUMMARY):
+            return None
+        entry = json.loads((self.folder / SUMMARY).read_text("utf-8")).get("answer")
+        return Answer.read(entry) if isinstance(entry, dict) else None
 
     def read_histories(self, *names: str) -> dict[str, Any]:
         """Read some histories (n,) of an impact of any version: {name: values}.

@@ -33,6 +33,7 @@ from shellfabric.membrane.boundary import Grip
 from shellfabric.membrane.indicator import DOUBTFUL, status
 from shellfabric.plies.gap import gap_between
 from shellfabric.plies.numerics import PlyContact
+from weavecell.results.finding import Mover
 from weavecell.studies import inputs
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
@@ -97,6 +98,18 @@ class AssumedRange:
     def high(self) -> float:
         """[m/s]"""
         return self._ordered[-1][0]
+
+    @property
+    def movers(self) -> tuple[Mover, ...]:
+        """What moves the velocity, and what tells it."""
+        return tuple(
+            Mover(name, f"measure {name}", high - low) for name, (low, high) in self.widths.items()
+        )
+
+    @property
+    def span(self) -> str:
+        """The range in words."""
+        return f"{self.low:.3g} to {self.high:.3g} m/s"
 
     @property
     def over_friction_between_yarns(self) -> str:
@@ -183,7 +196,7 @@ def changes(setup: ImpactSetup) -> Ends:
 
 
 def _moving(setup, ends):
-    """The ends that change a set-up, or a pair of them: a number may lie at an end of its range."""
+    """The ends that change a set-up: a number may lie at an end of its range."""
     moving = {}
     for name, of_one in ends.items():
         kept = {words: change for words, change in of_one.items() if change(setup) != setup}
@@ -220,28 +233,6 @@ def _both_ends(setup):
     if gaps:
         ends_of[GAP] = gaps
     return ends_of
-
-
-def common_changes(a: ImpactSetup, b: ImpactSetup) -> dict[str, dict[str, Callable[..., Any]]]:
-    """Collect the changes of a pair of set-ups that move what both assume under one name together,
-    low with low and high with high, as `changes` does of one: what is not known of both alike, such
-    as the friction of a projectile, then changes both."""
-    of_each = [_both_ends(setup) for setup in (a, b)]
-    pairs: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys([*of_each[0], *of_each[1]]):
-        sides = [list(ends.get(name, {}).items()) for ends in of_each]
-        pairs[name] = {}
-        for number in range(max(map(len, sides))):
-            ends = [side[min(number, len(side) - 1)] if side else None for side in sides]
-            words = " / ".join(dict.fromkeys(end[0] for end in ends if end))
-            moved = [end and end[1] for end in ends]
-            pairs[name][words] = partial(_change_both, moved)
-    return _moving((a, b), pairs)
-
-
-def _change_both(moved, pair):
-    """A pair of set-ups, each changed by its own change, or as it is where that is None."""
-    return tuple(setup if change is None else change(setup) for change, setup in zip(moved, pair))
 
 
 def _change_each_ply(change, end, setup):

@@ -67,6 +67,7 @@ class Shot:
     wall_time : [s] of the time integration
     checks : tuple of Indicator
     widened : why it was fired again with all yarns resolved, else ""
+    deflection : [m] the largest
     """
 
     strike_velocity: float
@@ -79,6 +80,7 @@ class Shot:
     wall_time: float
     checks: tuple = ()
     widened: str = ""
+    deflection: float = 0.0
 
     @property
     def perforated(self) -> bool:
@@ -485,4 +487,5 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),
         widened=attempt.widened,
+        deflection=float(solver.ply_sample("deflection")[:, -1].max()),
     )

@@ -12,21 +12,27 @@ keep the roll that is given.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from math import log, pi, remainder, sqrt
 
 import numpy as np
-from scipy.stats import qmc
 
 from fabrics.base.errors import InputError
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.plies.model import Pack
 from shellfabric.projectile.projectile import Projectile
+from weavecell.studies.assumed_range import set_value
 from weavecell.studies.inputs import Scatter, scale_setup, use_one_thread
+from weavecell.studies.unknown import FRICTIONS, find_unknown
 
 # [spacings] along warp and weft from a crossover: every other place of a plain weave is the image of
 # one in here, by the middle lines of the yarns and by a step along both families
 PLACES = 0.5, 1.0
+PLACE = "place"
+# shares of a drawn shot: along warp and weft, of the roll, and of each friction
+SHARES_OF_PLACE = 3
+SHARES = SHARES_OF_PLACE + len(FRICTIONS)
 
 
 @dataclass(frozen=True)
@@ -38,11 +44,13 @@ class Drawn:
     pack : Pack of whole plies
     factors : {"modulus", "crimp_warp", "crimp_weft": factor [-] of all plies}
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn of any ply
+    frictions : {column: [-] where nobody gave it, else None}
     """
 
     pack: Pack
     factors: dict[str, float]
     weakest: tuple[float, float]
+    frictions: dict[str, float | None]
 
 
 def draw_panel(
@@ -60,6 +68,9 @@ def draw_panel(
     """
     whole = use_one_thread(setup, symmetry="whole")
     check(whole, scatter)
+    frictions = draw_frictions(whole, seed, number)
+    for name, value in frictions.items():
+        whole = set_value(whole, name, value)
     if whole.crossovers is not None:
         zone = replace(whole.crossovers, seed=(seed, number))
         aim = draw_aim(whole, seed, number)
@@ -74,7 +85,8 @@ def draw_panel(
     pack = with_strengths(pack, strength, number, stride)
     drawn_strengths = [ply.strength_factors or () for ply in pack.plies]
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))
-    return Drawn(pack, factors, (warp, weft))
+    told = {one.column: frictions.get(name) for name, one in FRICTIONS.items()}
+    return Drawn(pack, factors, (warp, weft), told)
 
 
 def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:
@@ -105,13 +117,56 @@ def draw_roll(nose: Projectile, seed: int, number: int) -> Projectile:
     return replace(nose, roll=remainder(roll, 2 * pi))
 
 
+def draw_frictions(setup: ImpactSetup, seed: int, number: int) -> dict[str, float]:
+    """Draw the frictions of a number that nobody gave, evenly over their ranges: {what is assumed: [-]}.
+
+    Each has a share of its own, so that set-ups of which other frictions are known draw the same."""
+    shares = dict(zip(FRICTIONS, _spread(seed, number)[SHARES_OF_PLACE:]))
+    return {
+        name: float(low + shares[name] * (high - low))
+        for name, (low, high) in find_unknown(setup).items()
+    }
+
+
+def draw_known(setup: ImpactSetup, seed: int, number: int) -> dict[str, float]:
+    """Return what is known of a drawn shot, from which its limit is estimated: {word: [-] about 0}.
+
+    The place counts where it goes from gap to crossover, on plain weaves under noses that are round about
+    their axis; elsewhere what it does is part of the rest.
+    """
+    spread = _spread(seed, number)
+    found = {}
+    plain = all(fabric.weave.pattern.is_plain for fabric in setup.fabrics)
+    if setup.crossovers is not None and plain and setup.plies == 1 and not _has_roll(setup):
+        found[PLACE] = float(0.5 * (np.cos(np.pi * spread[0]) + np.cos(2 * np.pi * spread[1])))
+    shares = dict(zip(FRICTIONS, spread[SHARES_OF_PLACE:]))
+    for name in find_unknown(setup):
+        found[FRICTIONS[name].words] = float(shares[name] - 0.5)
+    return found
+
+
+def _has_roll(setup):
+    """Whether the nose is not the same at every roll."""
+    shot = setup.projectile
+    return not shot.known.turned
+
+
 def _spread(seed, number):
-    """(3,) shares of the places along warp and weft and of the roll: of the numbers from 0 on they are
-    spread evenly, each by itself may be anywhere."""
-    sobol = qmc.Sobol(3, scramble=False)
-    if number:  # scipy does not go forward by nothing
-        sobol.fast_forward(number)
-    return (sobol.random(1)[0] + np.random.default_rng(seed).uniform(size=3)) % 1.0
+    """(SHARES,) of the numbers from 0 on they are spread evenly, each by itself may be anywhere."""
+    # the first draws of the shift are those of the place
+    shift = np.random.default_rng(seed).uniform(size=SHARES)
+    return (_sobol_points(1 + number)[number] + shift) % 1.0
+
+
+@cache
+def _sobol_points(least):
+    """At least so many points of the sequence."""
+    if least & (least - 1):
+        return _sobol_points(1 << least.bit_length())
+    # takes a quarter of a second to load, which one run at nominal values does not need
+    from scipy.stats import qmc
+
+    return qmc.Sobol(SHARES, scramble=False).random(least)
 
 
 def check(setup: ImpactSetup, scatter: Scatter) -> None:

@@ -33,19 +33,11 @@ class Quantity:
     note: str = ""
     is_span: bool = False
 
-    @property
-    def over_unknown(self) -> Quantity:
-        """What is drawn of it over what nobody knows: its lowest and its highest value, and none
-        between."""
-        words = self.column.removesuffix("_m_s")
-        ends = f"{words}_low_m_s", f"{words}_high_m_s"
-        return Quantity(self.column, ends, ", over what nobody knows", is_span=True)
-
 
 QUANTITIES = {
     "shot": Quantity("residual_velocity_m_s"),
     "critical-velocity": Quantity("critical_velocity_m_s", ("lower_m_s", "upper_m_s")),
-    "v50": Quantity("v50_m_s", ("v50_low_m_s", "v50_high_m_s"), ", 95 % interval"),
+    "v50": Quantity("v50_m_s", ("v50_low_m_s", "v50_high_m_s"), ", 90 % interval"),
 }
 
 
@@ -65,9 +57,10 @@ def row(
         if quantity == "v50":
             study = v50.study(setup, inputs.read_scatter(), **options)
             names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
-            reason = study.curves["probit"].reason
             return {
-                "outcome": f"not determined: {reason}" if reason else "fitted",
+                "outcome": "not determined: all outcomes are alike"
+                if study.answer is None
+                else "fitted",
                 **study.summary(),
                 "checks": f"doubtful: {names}" if names else OK,
             }

@@ -30,15 +30,15 @@ SCAN = {
     "scan_below": ["10 %", "12 %"],
     "scan_step": ["2 %", "3 %"],
 }
-OF_V50 = {"shots": [8, 9], "seed": [1, 2], "assumed_range": [True, False]}
+OF_V50 = {"shots": [8, 9], "seed": [1, 2]}
 OPTIONS = {
     "impact": {
-        "interval": [True, False],
+        "draws": [2, 3],
+        "seed": [1, 2],
         "assumed_range": [True, False],
         "uncertainty": [True, False],
     },
     "critical_velocity": {
-        "interval": [True, False],
         "tolerance": ["1 m/s", "7 m/s"],
         "v50_shots": [5, 9],
         "residual_shots": [1, 5],
@@ -53,9 +53,6 @@ OPTIONS = {
         **OF_V50,
     },
     "compare": {
-        "quantity": ["v50", "critical-velocity"],
-        "interval": [True, False],
-        "tolerance": [1, 2],
         **OF_V50,
     },
     "reduce_tests": {"tolerance": [1, 2]},
@@ -67,7 +64,6 @@ OPTIONS = {
     },
 }
 SWEPT = {
-    "interval": [True, False],
     "tolerance": [1, 2],
     "shots": [8, 9],
     "seed": [1, 2],

@@ -91,10 +91,10 @@ def not_computed(monkeypatch):
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_told_once(name, not_computed, command, tmp_path):
     (tmp_path / "scene.toml").write_text(toml(merged(SCENES["small"], FAULTS[name])))
-    code, _, told = command("impact", "scene.toml", "--no-interval", "--out", "r")
+    code, _, told = command("impact", "scene.toml", "--out", "r")
     assert code == 2
     assert re.match(r"error: scene\.toml:(\d+:)? ", told)
-    foreseen = command("impact", "scene.toml", "--no-interval", "--check")
+    foreseen = command("impact", "scene.toml", "--check")
     assert (foreseen[0], foreseen[2]) == (code, told)
     for options in ({"check": True}, {}):
         with pytest.raises(InputError) as refused:

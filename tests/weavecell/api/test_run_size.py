@@ -36,7 +36,7 @@ def test_elements_and_steps_are_those_of_the_run(panel):
 def test_the_command_writes_nothing(succeed, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(impact_scene("90 m/s", "30 mm", "10 us"))
-    out = succeed("impact", scene, "--no-interval", "--check", "--out", "out")
+    out = succeed("impact", scene, "--check", "--out", "out")
     assert "nothing is run" in out
     assert out.count("\nmodel: ") == 1
     assert not (tmp_path / "out").exists()

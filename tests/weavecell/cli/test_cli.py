@@ -102,7 +102,7 @@ def test_the_options_of_a_command_are_the_parameters_of_its_function():
         parameters = inspect.signature(function).parameters.values()
         own = {p.name for p in parameters if p.kind is not p.VAR_KEYWORD}
         own |= {p.name for p in from_signature.unpack_keywords(function, {})} | set(keywords)
-        options = {entry.name for entry in command.params} - {"strict"}
+        options = {entry.name for entry in command.params} - {"strict", "verbose"}
         assert own >= options >= own - {"test", "velocity"}, words
         assert all(entry.help for entry in command.params), words
         assert attrgetter(public_name)(weavecell) is function
@@ -132,7 +132,7 @@ def test_a_shot_without_pictures_loads_no_plotter_and_no_statistics(tmp_path):
     (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], BRIEF)))
     done = in_a_program(
         "import sys\nfrom weavecell.cli import app\n"
-        f"try: app.main(['impact', '{tmp_path}/scene.toml', '--no-interval', '--out', '{tmp_path}/r'])\n"
+        f"try: app.main(['impact', '{tmp_path}/scene.toml', '--out', '{tmp_path}/r'])\n"
         "except SystemExit: pass\n"
         f"print(sorted(({HEAVY} - {{'h5py'}}) & set(sys.modules)))"
     )

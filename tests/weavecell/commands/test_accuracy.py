@@ -24,11 +24,11 @@ def scene(tmp_path):
 def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere_and_resumed(
     command, succeed, scene, interrupted, drawn_once, tmp_path
 ):
-    out = succeed(f"impact {scene} --no-interval --out results")
+    out = succeed(f"impact {scene} --out results")
     with interrupted(0.45):
-        assert command(f"impact {scene} --no-interval --out resumed")[0] == 130
+        assert command(f"impact {scene} --out resumed")[0] == 130
     assert [path.suffix for path in (tmp_path / "resumed").glob("[!.]*")] == [".h5"]
-    succeed(f"impact {scene} --no-interval --out resumed --resume")
+    succeed(f"impact {scene} --out resumed --resume")
     assert datasets(tmp_path / "results/histories.h5") == datasets(
         tmp_path / "resumed/histories.h5"
     )

@@ -21,13 +21,13 @@ BIGGER = os.strerror(27)
 # command: (its words, most bytes of a file, the file that is larger, what is there in the end)
 WRITERS = {
     "impact, HDF5": (
-        "impact scene.toml --no-interval --out r",
+        "impact scene.toml --out r",
         90_000,
         "r/histories.h5",
         ["scene.toml"],
     ),
     "impact, report": (
-        "impact scene.toml --no-interval --out r",
+        "impact scene.toml --out r",
         400_000,
         "r/report.html",
         ["histories.h5", "panel", "panel.pvd", "scene.toml", "summary.json"],
@@ -56,7 +56,7 @@ def test_a_full_disk_is_one_line(command, succeed, tmp_path, writer):
         pytest.importorskip("gmsh")
     (tmp_path / "scene.toml").write_text(SCENE)
     if writer in ("view", "movie"):
-        succeed("impact", "scene.toml", "--no-interval", "--out", "whole")
+        succeed("impact", "scene.toml", "--out", "whole")
     with largest_file(size):
         code, _, err = command(*words.split())
     assert code == 2

@@ -65,11 +65,11 @@ def test_a_resumed_run_is_the_uninterrupted_one(
     whole = results(name).folder
     again = tmp_path / "again"
     with interrupted(0.45):
-        code, _, err = command(f"impact {whole}/scene.toml --no-interval --out again")
+        code, _, err = command(f"impact {whole}/scene.toml --out again")
     assert code == 130
     assert err == "error: interrupted; --resume goes on from its last checkpoint\n"
     assert names(again) == "checkpoint.h5"
-    succeed(f"impact {whole}/scene.toml --no-interval --out again --resume")
+    succeed(f"impact {whole}/scene.toml --out again --resume")
     assert names(again) == names(whole)
     assert datasets(again / "histories.h5") == datasets(whole / "histories.h5")
     for file in ("panel.pvd", *(f"panel/{name}" for name in names(whole / "panel").split())):
@@ -87,12 +87,12 @@ def test_resume_leaves_a_finished_run_and_a_shorter_one_leaves_nothing_of_it(
 ):
     written = (copied / "summary.json").read_text()
     before = names(copied / "panel")
-    out = succeed(f"impact {copied}/scene.toml --no-interval --out results --resume")
+    out = succeed(f"impact {copied}/scene.toml --out results --resume")
     assert out.endswith("; done before with the same input and code, in results\n")
     assert (copied / "summary.json").read_text() == written
     short = scene("other.toml", outputs='["paraview"]')
     short.write_text(short.read_text().replace('"60 us"', '"20 us"'))
-    assert "replaces the results of " in command(f"impact {short} --no-interval --out results")[1]
+    assert "replaces the results of " in command(f"impact {short} --out results")[1]
     assert len(names(copied / "panel")) < len(before)
 
 

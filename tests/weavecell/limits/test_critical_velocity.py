@@ -78,9 +78,7 @@ def mixed(command, scene, tmp_path, monkeypatch):
         return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1.0, 1.0), 0.0, 0.0)
 
     def search(options="--scan --residual-shots 4"):
-        code, out, _ = command(
-            f"critical-velocity {scene} --no-interval --jobs 1 --out r {options}"
-        )
+        code, out, _ = command(f"critical-velocity {scene} --jobs 1 --out r {options}")
         return code, out, tmp_path / "r"
 
     monkeypatch.setattr(ballistic_limit, "_fire", fire)
@@ -196,9 +194,7 @@ def looked(command, scene, tmp_path, monkeypatch):
             return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1, 1), 0.0, 0.0)
 
         monkeypatch.setattr(ballistic_limit, "_fire", fire)
-        code, out, _ = command(
-            f"critical-velocity {scene} --no-interval --jobs 1 --out {tmp_path}/r {options}"
-        )
+        code, out, _ = command(f"critical-velocity {scene} --jobs 1 --out {tmp_path}/r {options}")
         assert code == 0
         return *read(tmp_path / "r"), out
 
@@ -307,7 +303,7 @@ def test_an_error_keeps_the_shots_before(command, scene, tmp_path, monkeypatch):
     def fails(patched, value):
         with monkeypatch.context() as patch:
             patch.setattr(ballistic_limit, patched, value)
-            code, _, err = command(f"critical-velocity {scene} --no-interval --out r --jobs 1")
+            code, _, err = command(f"critical-velocity {scene} --out r --jobs 1")
         assert code == 3
         assert names(tmp_path / "r").removeprefix("runs ") == "scene.toml shots.csv"
         return err.splitlines()[-1], (tmp_path / "r" / "shots.csv").read_text().splitlines()[1:]

@@ -25,7 +25,7 @@ BY_HAND = {
     "pictures_body.py": {"from the centre [µm]", "r [mm]", "along the axis [mm]"},
     "pictures_comparison.py": {
         "A less B [m/s]: above 0, A is better",
-        "probability of perforation [-]",
+        "share that passes [-]",
     },
     "pictures_coupon.py": {
         "mm",
@@ -66,7 +66,7 @@ BY_HAND = {
         "strain along the warp [%]",
         "strain along the weft [%]",
     },
-    "pictures_uncertainty.py": {"probability of perforation [-]"},
+    "pictures_uncertainty.py": {"share that passes [-]"},
 }
 
 

@@ -117,7 +117,7 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(command, tmp_path,
     few = "\n[numerics]\ncontact_points = 8\n"  # those of the default follow the edge
     edge = {"edge_radius": "0.05 mm", "panel": f"plies = {plies}", "run": 'outputs = ["report"]'}
     path.write_text(impact_scene("92.5 m/s", end_time="30 us", extra=few, **edge), encoding="utf-8")
-    code, printed, err = command(f"impact {path} --no-interval --out out --strict")
+    code, printed, err = command(f"impact {path} --out out --strict")
     assert code == 3
     assert "contact point spacing" in err
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

@@ -40,11 +40,11 @@ from weavecell.report.shot import pictures_shot
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Cut
 from weavecell.results.wave_fronts import Front
-from weavecell.studies import probit, v50
+from weavecell.studies import v50
 from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.ballistic_limit import Limit, Shot
+from weavecell.studies.drawn import Span
 from weavecell.studies.energy_map import EnergyMap
-from weavecell.studies.interval import ADVICE
 from weavecell.studies.sweep import QUANTITIES
 
 ROOT = Path(__file__).parents[3]
@@ -315,65 +315,52 @@ def mushroom(pyplot):
     return figure, drawn, {"centre_velocity": "centre of mass velocity"}
 
 
-@pytest.mark.parametrize("quantity", ["v50", "critical-velocity"])
-def test_two_panels_side_by_side(quantity):
+def posterior_of(shift=0.0):
+    """Shares that pass, rising by half a percent a m/s, with ends a tenth off."""
+    spans = {
+        name: Span(v + shift, v - 5, v + 6)
+        for name, v in (("V10", 82.0), ("V50", 88.0), ("V90", 97.0))
+    }
+
+    def share(V):
+        return (np.asarray(V) - shift) / 200
+
+    def passing(V):
+        return [Span(p, p - 0.1, p + 0.1) for p in share(V)]
+
+    return Given(velocities=spans, passing=passing, share=share)
+
+
+def test_two_panels_side_by_side():
     """Shots and curves under the name of their own panel, in its colour; the difference and its ends."""
     sides = []
     for shift in (0.0, 20.0):
         shots = tuple(
-            Given(
-                velocity=v + shift, perforated=hit, strike_velocity=v + shift, residual_velocity=r
-            )
-            for v, hit, r in (
-                (80, False, 0.0),
-                (90, True, 11.0 + shift),
-                (85, False, 0.0),
-                (95, True, 30.0),
-            )
+            Given(velocity=v + shift, perforated=hit)
+            for v, hit in ((80, False), (90, True), (85, False), (95, True))
         )
-        curve = Given(reason="", V50=87.0 + shift, probability=lambda V, s=shift: (V - s) / 200)
-        study = Given(shots=shots, curves={"probit": curve})
-        bracket = (84.0 + shift, 86.0 + shift)
-        sides.append(Given(study=study, shots=shots, mixed_zone=None, bracket=bracket))
+        study = Given(shots=shots, posterior=posterior_of(shift))
+        sides.append(Given(study=study, v50=88.0 + shift))
     result = Given(
         names=("A one", "B other"),
         a=sides[0],
         b=sides[1],
-        quantity=quantity,
         difference=Given(value=-20.0, low=-27.0, high=-11.0),
-        assumed_range=Given(),
-        interval=(-40.0, 3.0),
     )
     with pictures_figure.plots() as pyplot:
         figure = pictures_comparison.difference(pyplot, result)
     axis, lower = figure.axes
     for name, side in zip(result.names, sides):
         colour = pictures_comparison.COLOURS[name[0]]
-        own = [line for line in axis.lines if line.get_color() == colour]
-        struck = [shot.strike_velocity for shot in side.shots]
-        if quantity == "v50":
-            curve, stopped, through = own
-            V = np.linspace(min(struck), max(struck), 300)
-            assert_allclose(curve.get_xydata(), xy(V, side.study.curves["probit"].probability(V)))
-            assert curve.get_label() == f"{name}: V50 {side.study.curves['probit'].V50:.1f} m/s"
-            assert list(stopped.get_xdata()) == [struck[0], struck[2]]
-            assert list(through.get_xdata()) == [struck[1], struck[3]]
-            assert max(stopped.get_ydata()) < 0 < 1 < min(through.get_ydata())
-        else:
-            (points,) = own
-            residual = [shot.residual_velocity for shot in side.shots]
-            assert_allclose(points.get_xydata(), xy(struck, residual))
-            assert points.get_label() == name
-    if quantity != "v50":
-        assert [reach(patch, 0) for patch in axis.patches] == [
-            pytest.approx(side.bracket) for side in sides
-        ]
-    ends = [list(line.get_xdata()) for line in lower.lines if len(line.get_xdata()) == 2][:2]
-    assert ends == [[-27.0, -11.0], [-40.0, 3.0]]
-    assert [text.get_text() for text in lower.get_yticklabels()] == [
-        "by the shots",
-        "with what is assumed",
-    ]
+        curve, stopped, through = [line for line in axis.lines if line.get_color() == colour]
+        struck = [shot.velocity for shot in side.study.shots]
+        V = np.linspace(min(struck), max(struck), 81)
+        assert_allclose(curve.get_xydata(), xy(V, side.study.posterior.share(V)))
+        assert curve.get_label() == f"{name}: V50 {side.v50:.3g} m/s"
+        assert list(stopped.get_xdata()) == [struck[0], struck[2]]
+        assert list(through.get_xdata()) == [struck[1], struck[3]]
+        assert max(stopped.get_ydata()) < 0 < 1 < min(through.get_ydata())
+    assert [-27.0, -11.0] in [list(line.get_xdata()) for line in lower.lines]
     assert lower.get_xlabel() == "A less B [m/s]: above 0, A is better"
 
 
@@ -954,46 +941,46 @@ def tornado(pyplot):
     return None
 
 
-@case(pictures_uncertainty.perforation)
-def perforation(pyplot):
-    shots = tuple(
-        v50.Shot(n, v, left, left > 0, 1, 1, 1, (1, 1), (0, 0), 0.0)
-        for n, (v, left) in enumerate(
-            ((80.0, 0.5), (90.0, 11.0), (95.0, 3.0), (97.0, 0.7), (104.0, 31.0), (111.0, 47.0))
+def drawn_shots():
+    return tuple(
+        v50.Shot(n, v, left, left > 1, 1, 1, 1, (1, 1), (0, 0), dict(zip(FRICTIONS, of)), 0.0)
+        for n, (v, left, of) in enumerate(
+            ((80.0, 0.5, (0.11, 0.03)), (90.0, 11.0, (0.23, 0.07)), (95.0, 47.0, (0.29, 0.19)))
         )
     )
-    shots = tuple(replace(shot, perforated=shot.residual > 1) for shot in shots)
-    velocity, hit = ([getattr(s, name) for s in shots] for name in ("velocity", "perforated"))
-    curves = {link: probit.fit(velocity, hit, link=link) for link in probit.LINKS}
-    study = Given(
-        shots=shots, curves=curves, deterministic=(88.0, 89.0), lambert_jonas=curve_of("", 0.4)
-    )
-    line = np.linspace(80, 113, 7)
-    lift = 0.012 * (np.arange(6) % 5)
-    V, hit = np.array(velocity), np.array(hit)
-    residual = np.array([shot.residual for shot in shots])
-    P = pictures_uncertainty._PROBABILITIES
-    edges = probit.band(V, hit, curves["probit"], P).clip(78, 113)
-    data = {
-        "stopped": {
-            "velocity": V[~hit],
-            "residual": residual[~hit],
-            "probability": -0.03 - lift[~hit],
-        },
-        "perforated": {
-            "velocity": V[hit],
-            "residual": residual[hit],
-            "probability": 1.03 + lift[hit],
-        },
-        "probit": curves["probit"].probability,
-        "logit": curves["logit"].probability,
-        "share": {"strike velocity": [V.mean()], "probability": [hit.mean()]},
-        "limit without scatter": study.deterministic,
-        "95 of the probit with a prior": {"": edges, "probability": P},
-        "confidence": 0.95,
-        "Lambert-Jonas": {"strike": line, "residual": 0.4 * line},
-    }
-    return pictures_uncertainty.perforation(pyplot, study, "S-720"), data
+
+
+FRICTIONS = "friction_between_yarns", "friction_on_nose"
+
+
+@case(pictures_uncertainty.perforation)
+def perforation(pyplot):
+    study = Given(shots=drawn_shots(), posterior=posterior_of())
+    figure = pictures_uncertainty.perforation(pyplot, study)
+    (axis,) = figure.axes
+    labels = [line.get_label() for line in axis.lines]
+    assert [labels[0], *labels[-2:]] == ["share that passes", "stopped", "perforated"]
+    assert list(axis.lines[-2].get_xdata()) == [80.0]
+    assert list(axis.lines[-1].get_xdata()) == [90.0, 95.0]
+    curve = axis.lines[0].get_xydata()
+    assert_allclose(curve[:, 1], study.posterior.share(curve[:, 0]))
+    named = [text.get_text().strip() for text in axis.texts]
+    assert named == ["V10 82", "V50 88", "V90 97"]
+    return None
+
+
+@case(pictures_uncertainty.draw_passing)
+def draw_passing(pyplot):
+    unknown = {"friction of crossovers": (0.1, 0.3), "friction of the projectile": (0.0, 0.2)}
+    figure = pictures_uncertainty.draw_passing(pyplot, Given(shots=drawn_shots(), unknown=unknown))
+    (axis,) = figure.axes
+    stopped, through = axis.lines
+    assert_allclose(stopped.get_xydata(), [(0.11, 0.03)])
+    assert_allclose(through.get_xydata(), [(0.23, 0.07), (0.29, 0.19)])
+    assert [text.get_text() for text in axis.texts] == ["11", "47"]
+    assert axis.get_xlabel() == "friction between yarns [-]"
+    assert axis.get_ylabel() == "friction on the nose [-]"
+    return None
 
 
 @case(pictures_uncertainty.sweep)
@@ -1015,7 +1002,7 @@ def sweep(pyplot):
         assert_allclose(line.get_xydata(), xy(np.take(x, rows), table["v50_m_s"][rows]))
         ends = table.loc[rows, ["v50_low_m_s", "v50_high_m_s"]].to_numpy()
         assert_allclose([segment[:, 1] for segment in bars.get_segments()], ends)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("plies", "V50 [m/s], 95 % interval")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("plies", "V50 [m/s], 90 % interval")
     return None
 
 
@@ -1029,61 +1016,6 @@ def one_at_a_time(pyplot):
     assert axes.lines[1].get_xdata()[0] == 50.0
     assert [text.get_text() for text in axes.get_yticklabels()] == changes
     assert axes.get_xlabel() == "residual velocity [m/s]"
-    return None
-
-
-@case(pictures_comparison.draw_pairs)
-def draw_pairs(pyplot):
-    """A diamond on its bar is the difference of a pair, and the band all of them; unlike runs are both named."""
-    found = [(8.0, 5.5, 11.0), (-3.0, -4.5, -1.0), None]
-    names = [("gap", "gap"), ("gap", "crossover"), ("yarn", "yarn")]
-    pairs = [
-        Given(a=Given(name=a), b=Given(name=b), subtract=lambda own=own: own)
-        for (a, b), own in zip(names, found)
-    ]
-    difference = Given(pairs=pairs, span=lambda: (-4.5, 11.0))
-    figure = pictures_comparison.draw_pairs(pyplot, difference)
-    (axes,) = figure.axes
-    better, middle, worse, other, zero = axes.lines
-    assert_allclose(better.get_xydata(), [[5.5, 0], [11, 0]])
-    assert_allclose(middle.get_xydata(), [[8, 0]])
-    assert_allclose(worse.get_xydata(), [[-4.5, 1], [-1, 1]])
-    assert_allclose(other.get_xydata(), [[-3, 1]])
-    assert_allclose(zero.get_xdata(), [0, 0])
-    assert reach(axes.patches[0], 0) == pytest.approx((-4.5, 11.0))
-    labels = [text.get_text() for text in axes.get_yticklabels()]
-    assert labels == ["gap", "A: gap\nB: crossover", "yarn"]
-    assert axes.get_xlabel() == "A less B [m/s]: above 0, A is better"
-    return None
-
-
-@case(pictures_uncertainty.draw_interval)
-def draw_interval(pyplot):
-    """A ring is a stop; a limit has its ends drawn, and a run without a value nothing. The title is the answer."""
-    bracket = {"lower_m_s": 71.0, "upper_m_s": 78.0}
-    rows = [("gap", "stopped", 0.0, {}), ("crossover", "perforated", 61.5, {})]
-    rows += [("yarn", "single limit", 74.5, bracket), ("beside", "unstable", None, {})]
-    runs = [
-        Given(name=name, outcome=outcome, value=value, row=row)
-        for name, outcome, value, row in rows
-    ]
-    answer = "; ".join(["stopped to perforated with 61.5 m/s left", *ADVICE.values()])
-    interval = Given(runs=runs, low=0.0, high=74.5, words=lambda: answer)
-    figure = pictures_uncertainty.draw_interval(pyplot, interval, "V50 [m/s]")
-    title = figure.get_suptitle()
-    assert title.replace("\n", " ") == answer
-    assert title.count("\n") > 0
-    (axes,) = figure.axes
-    stop, through, ends, middle = axes.lines
-    assert_allclose(stop.get_xydata(), [[0, 0]])
-    assert_allclose(through.get_xydata(), [[61.5, 1]])
-    assert_allclose(ends.get_xydata(), [[71, 2], [78, 2]])
-    assert_allclose(middle.get_xydata(), [[74.5, 2]])
-    faces = [line.get_markerfacecolor() for line in (stop, through, middle)]
-    assert (faces[0], len(set(faces))) == ("white", 3)
-    assert reach(axes.patches[0], 0) == pytest.approx((0, 74.5))
-    assert [text.get_text() for text in axes.get_yticklabels()] == [name for name, *_ in rows]
-    assert axes.get_xlabel() == "V50 [m/s]"
     return None
 
 
@@ -1262,6 +1194,7 @@ def test_what_is_drawn_is_what_its_label_says(function):
 IMAGES = {
     "snapshot",
     "end",
+    "end_near",
     "half_way",
     "compose",
     "cut_figure",

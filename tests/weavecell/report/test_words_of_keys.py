@@ -34,7 +34,8 @@ def said(table):
         chapters.describe_shot(setup, scene, velocity=True),
         chapters_shot.settings(setup).rows,
         chapters_shot.assumptions(setup, ()).tables[0].rows,
-        chapters.law_cards(case),
+        # the chapter of the cell writes both
+        (case.law_name, str(case.laws)),
     )
     forecast = (report[0], in_words.list_assumptions(setup), in_words.list_choices(setup))
     return report, forecast

@@ -145,7 +145,7 @@ def test_the_table_of_a_v50():
     for n in range(3):
         factors = [10.0 * n + k for k in range(1, 4)]
         one = v50.Shot(
-            n, 90.0 + n, 30.0 + n, n > 1, *factors, (n + 0.1, n + 0.2), (n, -n), 0.01 * n
+            n, 90.0 + n, 30.0 + n, n > 1, *factors, (n + 0.1, n + 0.2), (n, -n), {}, 0.01 * n
         )
         shots.append(one)
     found = V50Result(Given(shots=shots), Given(setup=Given(crossovers=1)), 1, 1, 0.0)._columns()
@@ -333,10 +333,10 @@ def test_a_stop_with_a_little_velocity_left_is_a_stop_of_the_curve():
     for left in (4.0, 0.0):
         shots = [(s.strike_velocity, s.residual_velocity, s.perforated) for s in SHOTS]
         drawn = [
-            v50.Shot(n, *shot, 1, 1, 1, (1, 1), (0, 0), 0.0)
+            v50.Shot(n, *shot, 1, 1, 1, (1, 1), (0, 0), {}, 0.0)
             for n, shot in enumerate([*shots, (85.0, left, False)])
         ]
-        fits.append(v50.Study((90.0, 91.0), tuple(drawn), {}, v50.Scatter()).lambert_jonas)
+        fits.append(v50.Study(tuple(drawn), None, v50.Scatter()).lambert_jonas)
     assert fits[0] == fits[1]
 
 

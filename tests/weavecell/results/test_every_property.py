@@ -23,11 +23,8 @@ from weavecell.api.comparison import ComparisonResult
 from weavecell.api.execution import Execution
 from weavecell.api.meshes import MeshResult
 from weavecell.api.result import Result
-from weavecell.api.scatter import V50Result
-from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import coupon
-from weavecell.results.finding import Finding
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.results.result_folder import ResultFolder
 from weavecell.studies import biaxial_fit, inputs
@@ -191,16 +188,6 @@ def test_checks_are_told_by_the_worst():
     assert Result.checks_text.fget(SimpleNamespace(checks=(fine,))) == "ok"
 
 
-def test_the_interval_of_a_v50_is_that_of_its_curve():
-    curves = {
-        "probit": SimpleNamespace(intervals={"s": (3.0, 9.0), "V50": (141.0, 163.0)}),
-        "logit": SimpleNamespace(intervals={"V50": (139.0, 166.0)}),
-    }
-    found = SimpleNamespace(study=SimpleNamespace(curves=curves))
-    assert V50Result.v50_low.fget(found) == 141.0
-    assert V50Result.v50_high.fget(found) == 163.0
-
-
 def test_a_shot_has_the_title_of_its_file_or_what_it_is(tmp_path):
     (tmp_path / "own.toml").write_text('title = "mine"\n' + impact_scene(fabric="S-728"))
     assert resolve_target(tmp_path / "own.toml", {}, "impact").shot_title == "mine"
@@ -281,9 +268,3 @@ def test_what_is_compared_has_its_words():
 def test_bars_of_a_mesh_are_counted_by_family():
     mesh = SimpleNamespace(bars=[range(4), range(7), range(2)], families=[0, 1, 0])
     assert MeshResult.fibre_bars.fget(SimpleNamespace(mesh=mesh)) == (6, 7)
-
-
-def test_a_study_finds_its_headline_and_its_doubts():
-    given = SimpleNamespace(headline=("S-728", "122 m/s"), doubts=("mesh",))
-    finding = StudyResult.finding.fget(given)
-    assert finding == Finding("S-728", "122 m/s", ("mesh",))

@@ -131,7 +131,7 @@ def test_a_folder_whose_list_can_be_no_list_is_refused(command, tmp_path, not_co
     [
         "reduce tests shots.csv",
         "reduce tests shots.csv S-720",
-        "impact law.toml --no-interval",
+        "impact law.toml",
         "v50 law.toml",
         "biaxial S-720 --law biaxial.json",
         "fabrics new mine.toml --from mine.toml",
@@ -159,7 +159,7 @@ def test_what_a_run_reads_is_not_written(command, tmp_path, not_computed, words)
 
 
 @pytest.mark.parametrize(
-    "words", ["impact scene.toml --no-interval", "sweep scene.toml --over panel.plies=1 --jobs 1"]
+    "words", ["impact scene.toml", "sweep scene.toml --over panel.plies=1 --jobs 1"]
 )
 def test_an_input_file_in_the_folder_stays_to_the_last_byte(command, drawn_once, tmp_path, words):
     write_inputs("sweep")
@@ -172,7 +172,7 @@ def test_an_input_file_in_the_folder_stays_to_the_last_byte(command, drawn_once,
         assert (tmp_path / "scene.toml").read_bytes() == content
     # it is no result: another run does not replace it
     (tmp_path / "other.toml").write_text(text)
-    code, _, err = command("impact other.toml --no-interval --out .")
+    code, _, err = command("impact other.toml --out .")
     assert code == 2
     assert "scene.toml, which weavecell did not write" in err
     assert (tmp_path / "scene.toml").read_bytes() == content
@@ -230,7 +230,7 @@ def test_a_folder_called_runs_keeps_what_is_in_it(command, drawn_once, tmp_path)
     (tmp_path / "panel/photo.png").write_text("mine")
     (tmp_path / "s.toml").write_text((tmp_path / "scene.toml").read_text().replace("60 us", "5 us"))
     (tmp_path / "scene.toml").unlink()
-    for words in ("sweep s.toml --over panel.plies=1 --jobs 1", "impact s.toml --no-interval"):
+    for words in ("sweep s.toml --over panel.plies=1 --jobs 1", "impact s.toml"):
         code, _, err = command(*words.split(), "--out", ".")
         assert code == 0, err
         (tmp_path / "scene.toml").unlink()

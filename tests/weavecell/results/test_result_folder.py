@@ -114,7 +114,7 @@ def test_the_folder_has_every_file_that_its_scene_names(own):
 def test_a_moved_shot_is_loaded_with_its_own_fabrics_laws_body_and_record(own, folder):
     _, shot = own
     again = wc.load(folder)
-    first, *others = str(again).splitlines()
+    first, *others = again.details().splitlines()
     assert others.pop(0) == f"read from {folder}"
     assert [first, *others] == str(shot).splitlines()
     assert [each.name for each in again.target.setup.fabrics] == ["mine", "other"]

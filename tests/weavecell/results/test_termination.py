@@ -45,7 +45,7 @@ def scene(tmp_path):
 
 def test_sigterm_is_an_interrupt_with_a_checkpoint(command, scene, tmp_path):
     with signalled(signal.SIGTERM):
-        code, _, err = command("impact", scene, "--no-interval", "--out", "r")
+        code, _, err = command("impact", scene, "--out", "r")
     # kernels that are not in the cache yet are announced
     said = [line for line in err.splitlines() if "compiling the kernels" not in line]
     assert (code, said) == (130, [f"error: {LINE}"])
@@ -70,7 +70,7 @@ import signal, sys
 from tests.weavecell.results.test_termination import signalled
 from weavecell.cli.app import main
 with signalled(signal.SIGKILL):
-    main(["impact", "scene.toml", "--no-interval", "--out", "r"])
+    main(["impact", "scene.toml", "--out", "r"])
 """
 
 
@@ -81,8 +81,8 @@ def test_a_killed_run_goes_on_from_its_checkpoint(succeed, scene, plies, tmp_pat
     paths = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     killed = subprocess.run([sys.executable, "-c", KILLED], cwd=tmp_path, env=paths, check=False)
     assert killed.returncode == -signal.SIGKILL
-    succeed("impact", scene, "--no-interval", "--out", "r", "--resume")
+    succeed("impact", scene, "--out", "r", "--resume")
     assert not (tmp_path / "r" / "checkpoint.h5").exists()
-    succeed("impact", scene, "--no-interval", "--out", "whole")
+    succeed("impact", scene, "--out", "whole")
     whole = datasets(tmp_path / "whole" / "histories.h5")
     assert datasets(tmp_path / "r" / "histories.h5") == whole

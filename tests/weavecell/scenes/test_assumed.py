@@ -62,7 +62,7 @@ def own(succeed, drawn_once, tmp_path):
         (tmp_path / "own.toml").write_text(
             text.replace("elements_per_crossover = 2", 'outputs = ["report"]')
         )
-        out = succeed("impact", "own.toml", "--no-interval", "--out", "r", *options)
+        out = succeed("impact", "own.toml", "--out", "r", *options)
         return out.splitlines(), json.loads((tmp_path / "r" / "summary.json").read_text())
 
     return run

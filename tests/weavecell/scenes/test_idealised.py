@@ -105,7 +105,7 @@ def test_a_trellis_of_nothing_is_taken(make):
 def test_every_output_of_a_shot_says_that_its_fabric_is_idealised(make, succeed, tmp_path):
     make("idealised,true,,\n")
     (tmp_path / "shot.toml").write_text(SHOT)
-    terminal = succeed("impact", "shot.toml", "--no-interval", "--no-assumed-range", "--out", "out")
+    terminal = succeed("impact", "shot.toml", "--no-assumed-range", "--out", "out")
     shot = wc.load("out")
     said = {
         "terminal": terminal,
@@ -114,7 +114,7 @@ def test_every_output_of_a_shot_says_that_its_fabric_is_idealised(make, succeed,
         "loaded": "; ".join(shot.assumed),
         "notebook": shot._repr_html_(),
         "cite": succeed("cite", "out"),
-        "forecast": succeed("impact", "shot.toml", "--no-interval", "--check"),
+        "forecast": succeed("impact", "shot.toml", "--check"),
         "show": succeed("show", "bar.toml"),
     }
     silent = [

@@ -251,7 +251,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
     """The folder holds what is needed to repeat the run."""
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     (tmp_path / "scene.toml").write_text(toml(merged(SHOT, {"projectile": {"yaw": "20 deg"}})))
-    out = succeed("impact", "scene.toml", "--no-interval", "--out", "whole")
+    out = succeed("impact", "scene.toml", "--out", "whole")
     assert "projectile: a body from an STL file of 1.1 g and 7.354 mm" in out
     told = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert told["energy_error_max"] < 0.0025
@@ -259,14 +259,14 @@ def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
     assert told["provenance"]["projectile_stl"].endswith(" mm 0.0004")
     assert (tmp_path / "whole" / "inputs" / "body.stl").read_bytes() == CUBE.read_bytes()
     with interrupted(0.5):
-        assert command("impact", "scene.toml", "--no-interval", "--out", "part")[0] == 130
+        assert command("impact", "scene.toml", "--out", "part")[0] == 130
     ascii_file(tmp_path / "body.stl", facets() * [1, 1, 1.01])
-    code, _, err = command("impact", "scene.toml", "--no-interval", "--out", "part", "--resume")
+    code, _, err = command("impact", "scene.toml", "--out", "part", "--resume")
     assert code == 2
     assert "of other input or options" in err
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     stl_file._solid.cache_clear()
     stl_file._surface.cache_clear()
-    succeed("impact", "scene.toml", "--no-interval", "--out", "part", "--resume")
+    succeed("impact", "scene.toml", "--out", "part", "--resume")
     one, other = (datasets(tmp_path / name / "histories.h5") for name in ("whole", "part"))
     assert one == other

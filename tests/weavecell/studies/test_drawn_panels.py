@@ -11,7 +11,6 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
 from weavecell.studies import inputs, strengths, v50
-from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.inputs import Scatter
 
 # no two spreads are alike
@@ -36,12 +35,10 @@ def test_shots_of_a_study_are_numbered_through_and_see_panels_of_their_own(
     def fire(setup, scatter, seed, number, velocity):
         factors = strengths.draw_factors(scatter, seed, number * setup.plies)
         shot = (velocity, 0.4 * velocity, velocity > 95.0)
-        return v50.Shot(
-            number, *shot, **factors, weakest=(0.9, 0.8), impact_point=(0, 0), balance=0
-        )
+        others = {"weakest": (0.9, 0.8), "impact_point": (0, 0), "frictions": {}, "balance": 0}
+        return v50.Shot(number, *shot, **factors, **others)
 
     monkeypatch.setattr(v50, "fire", fire)
-    monkeypatch.setattr(v50, "deterministic", lambda *_: Limit(95.0, 96.0, ()))
     numbers = lambda inputs: [each for each in inputs[1] if isinstance(each, int | float)]  # noqa: E731
     monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(numbers(inputs)))
     study = v50.study(setup, SCATTER, shots=11, batch=batch, seed=3, folder=tmp_path)
@@ -120,7 +117,7 @@ def test_impact_points_fill_what_symmetry_leaves_of_a_repeat(struck):
 @pytest.mark.parametrize("seed", [2, 9])
 def test_few_shots_are_spread_over_places_and_rolls(struck, seed):
     """Of eight shots one has each eighth of the places along warp and weft and of the rolls; the seed shifts them."""
-    spread = np.array([strengths._spread(seed, number) for number in range(8)])
+    spread = np.array([strengths._spread(seed, number)[:3] for number in range(8)])
     shift = np.random.default_rng(seed).uniform(size=3)
     eighths = np.floor(8 * ((spread - shift) % 1.0) + 1e-9).astype(int)
     for column in eighths.T:

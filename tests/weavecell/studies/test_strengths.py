@@ -21,6 +21,9 @@ from weavecell.studies import inputs, strengths, v50
 
 ALIKE_BUT_STRENGTH = replace(inputs.read_scatter(), modulus=0.0, crimp=0.0)
 
+# frictions that are given
+NOT_DRAWN = dict.fromkeys(("friction_between_yarns", "friction_on_nose", "friction_between_plies"))
+
 
 @pytest.fixture(scope="module")
 def setup(fabric):
@@ -61,7 +64,7 @@ def test_resolved_yarns_are_struck_at_another_point_in_each_draw(setup):
 
 def test_shots_at_resolved_yarns_have_their_impact_points(setup):
     """Drawn points are in the table of shots; of pinned yarns, all struck at one point, they are not."""
-    shot = v50.Shot(0, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (1e-4, -2e-4), 1e-3)
+    shot = v50.Shot(0, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (1e-4, -2e-4), NOT_DRAWN, 1e-3)
     columns = {}
     for crossovers in (YarnZone(), None):
         target = SimpleNamespace(setup=replace(setup, crossovers=crossovers))
@@ -112,7 +115,7 @@ def test_a_sweep_over_seeds_has_mean_and_scatter(tmp_path):
     table = wc.sweep(tmp_path / "scene.toml", over={"panel.strength.seed": [1, 2, 3]})
     found = [row["residual_velocity_m_s"] for row in table.rows]
     assert len(set(found)) == 3
-    (line,) = [line for line in str(table).splitlines() if "mean and standard error" in line]
+    (line,) = [line for line in table.details().splitlines() if "mean and standard error" in line]
     deviation = np.std(found, ddof=1)
     assert f"{np.mean(found):.4g} ± {deviation / 3**0.5:.4g} m/s (mean and standard error)" in line
     assert f"standard deviation {deviation:.4g} m/s" in line

@@ -14,6 +14,7 @@ from weavecell.report import checks, pictures, pictures_comparison
 from weavecell.report.page import Figure, Report, Section, Table
 from weavecell.report.shot import chapters_shot, moving, pictures_shot
 from weavecell.results import display, finding, keys
+from weavecell.results.finding import Answer
 
 if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
@@ -52,10 +53,6 @@ def build(
     instants : (grid of `results.vtk.panel`, time [s]) of each snapshot, of A and of B
     """
     titles = names(records)
-    cards = tuple(
-        replace(chapters_shot.card(record), label=title).with_doubts(chapters_shot.find(record))
-        for title, record in zip(titles, records)
-    )
     motion = Section(
         "motion",
         "A and B in motion",
@@ -74,7 +71,7 @@ def build(
         Section("histories", "Over time", "", (curves,)),
         Section("all", "All results", tables=(every_result(records),), folded=True),
     )
-    return Report(" beside ".join(titles), "", (cards,), sections, outcome=difference(records))
+    return Report(Answer(" beside ".join(titles), difference(records)), "", sections)
 
 
 def difference(records: Sequence[ImpactRecord]) -> str:

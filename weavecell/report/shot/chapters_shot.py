@@ -12,13 +12,20 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from fabrics.base.counted import counted
 from fabrics.base.door import option
-from weavecell.report import chapters, pictures, pictures_body, pictures_histories
-from weavecell.report.page import Card, Figure, Section, Table
+from weavecell.report import (
+    chapters,
+    pictures,
+    pictures_body,
+    pictures_histories,
+    pictures_uncertainty,
+)
+from weavecell.report.page import Figure, Section, Table
 from weavecell.report.shot import pictures_shot
 from weavecell.results import display, finding, keys
 from weavecell.results.display import text
-from weavecell.results.finding import Finding
+from weavecell.results.finding import Answer
 from weavecell.studies.energy_map import map_energy
+from weavecell.studies.unknown import FRICTIONS
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
@@ -26,6 +33,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
     from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.passing import Passing
 
 # stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
@@ -50,42 +58,27 @@ CUT_INSTANTS = (0.2, 0.5, 1.0)
 
 
 def outcome(record: ImpactRecord) -> str:
-    """Say the result of an impact in one line, without what is doubtful of it."""
-    strike = f"{record.strike_velocity:g} m/s"
-    end = text(record.time[-1], "s", form=".0f")
+    """Say what came of one run."""
     if record.outcome == "unstable":
-        return f"UNSTABLE at {strike}: the run was ended after {end} and has no result ({record.failure_message})."
-    words = {
-        "stopped": f"Stopped at {strike}",
-        "perforated": f"Perforated at {strike}",
-        "in flight": f"Not decided at {strike}, in flight at the end, {end}",
-    }[record.outcome]
+        return f"UNSTABLE, and no result: {record.failure_message}"
     facts = []
-    if record.outcome != "stopped":
-        facts.append(residual(record))
+    if record.outcome == "perforated":
+        facts.append(f"perforates, {record.residual_velocity:.3g} m/s left")
+    elif record.outcome == "stopped":
+        facts.append("stops")
+    else:
+        end = text(record.time[-1], "s", form=".3g")
+        facts.append(f"not decided: {record.residual_velocity:.3g} m/s at the end, {end}")
     facts += _dent(record)
     if record.outcome != "perforated":
-        facts.append(_deflection(record))
-    facts.append(_load(record))
-    return f"{words}: {', '.join(facts)}."
+        facts.append(f"the back face moves {text(record.max_deflection, 'm', form='.3g')}")
+    return "; ".join(facts)
 
 
-def find(record: ImpactRecord) -> Finding:
-    """Return what one impact came to, with what is doubtful of it."""
-    value = record.outcome
-    colour = record.outcome
-    if record.outcome == "in flight":
-        value = "still moving"
-        colour = finding.PLAIN
-    return Finding(record.title, value, finding.list_doubts(record.checks), colour)
-
-
-def residual(record: ImpactRecord) -> str:
-    """Write the velocity at the end, as text."""
-    name = "residual velocity"
-    if record.outcome in ("in flight", "unstable"):
-        name = "velocity at the end"
-    return f"{name} {record.residual_velocity:.1f} m/s".replace(" 0.0 m/s", " 0 m/s")
+def find(record: ImpactRecord) -> Answer:
+    """Return what one run came to, with what is doubtful of it."""
+    doubts = finding.list_doubts(record.checks)
+    return Answer(record.title, outcome(record), doubts, record.outcome)
 
 
 def instant(record: ImpactRecord, t: float) -> str:
@@ -99,23 +92,11 @@ def instant(record: ImpactRecord, t: float) -> str:
     return words
 
 
-def _deflection(record):
-    return f"back-face deflection {text(record.max_deflection, 'm', form='.1f')}"
-
-
 def _dent(record):
     """The depth of the dent, in a list that is empty without a block."""
     if record.backing is None:
         return []
     return [dent(record)]
-
-
-def _load(record):
-    """How many yarns are cut, or how near to the strength the tension came."""
-    if record.cut_yarns[-1]:
-        return cut(record.cut_yarns[-1:])
-    family, peak = max(record.peaks.items(), key=lambda item: item[1].share)
-    return f"peak tension {text(peak.share, '%', '.3g')} of the strength ({family})"
 
 
 def cut(counts: Sequence[float]) -> str:
@@ -128,15 +109,7 @@ def cut(counts: Sequence[float]) -> str:
     return f"{words} ({PARTS})"
 
 
-def card(record: ImpactRecord) -> Card:
-    """Write the card that says what one impact came to, without what is doubtful of it."""
-    found = find(record)
-    force = f"contact force up to {1e-3 * record.contact_force.max():.2g} kN"
-    lines = (residual(record), *_dent(record), _deflection(record), force, _load(record))
-    return Card(found.label, found.value, lines)
-
-
-def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
+def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = (), lead: str = "") -> Section:
     """Build the chapter of one impact: histories, energies, cuts, pictures of the panel and
     results."""
     figures: tuple[Figure, ...] = (_histories(record), _energies(record), _cuts(record), *panel)
@@ -144,11 +117,11 @@ def chapter(record: ImpactRecord, panel: tuple[Figure, ...] = ()) -> Section:
     known = np.count_nonzero(np.isfinite(record.cone_radius))
     if not record.measured and known >= LEAST_OF_A_CURVE:
         figures += (_cone({"along x, of the last ply": (record.cut_times, record.cone_radius)}),)
-    tables = [results(record), every_result(record)]
+    tables = [results(record)]
     if record.count > 1:
         figures += (_plies(record),)
         tables.append(ply_table(record))
-    return Section("impact", "Impact", "", figures, tuple(tables))
+    return Section("impact", "The shot in the pictures", lead, figures, tuple(tables))
 
 
 def critical(record: ImpactRecord, setup: ImpactSetup) -> Section:
@@ -202,17 +175,6 @@ def results(record: ImpactRecord) -> Table:
             heading = display.heading(label, units[name])
             rows.append((heading, display.number(facts[name], units[name])))
     return Table(("result", "value"), tuple(rows), "Results", ("value",))
-
-
-def every_result(record: ImpactRecord) -> Table:
-    """Tabulate every number of the summary but the energies; folded."""
-    facts = record.facts()
-    rows = [("outcome", record.outcome)]
-    for key in keys.table("impact", *keys.OF_SOME.values(), "failure"):
-        if key.unit and key.name in facts:
-            rows.append((key.label, display.number(facts[key.name], key.unit)))
-    caption = "All results, as summary.json has them"
-    return Table(("result", "value"), tuple(rows), caption, ("value",), folded=True)
 
 
 def ply_table(record: ImpactRecord) -> Table:
@@ -274,10 +236,10 @@ def _cone(radii, of_ply=""):
 def _plies(record):
     """What each ply of a pack does over time."""
     caption = (
-        f"Each ply over time, {_shading(record)}: largest deflection along the normal of what is connected to the "
-        "edges; force of the projectile on it; energy that it moves with, stores and has lost."
+        f"Each ply over time, {_shading(record)}. Its largest deflection; force of the projectile on it; energy that "
+        "it moves with, stores and has lost."
     )
-    return pictures.draw_figure("plies", caption, pictures_shot.plies, record)
+    return pictures.draw_figure("plies", caption, pictures_shot.plies, record, wide=False)
 
 
 def _cuts(record):
@@ -291,7 +253,7 @@ def _cuts(record):
     if record.count > 1:
         caption += f" Plies are {_shading(record)}."
     views = _cut_views(record)
-    return pictures.draw_figure("cuts", caption, pictures_shot.cuts, views, CLOSE_UP)
+    return pictures.draw_figure("cuts", caption, pictures_shot.cuts, views, CLOSE_UP, wide=False)
 
 
 def _energies(record):
@@ -353,7 +315,7 @@ def assumptions(
     rows = in_words.list_assumptions(setup, body=body, drawn=drawn)
     rows += [("assumed law", line) for line in lines]
     table = Table(("of", "in this run"), tuple(rows))
-    return Section("assumptions", "Assumptions", tables=(table,))
+    return Section("assumptions", "Assumptions", tables=(table,), folded=True)
 
 
 def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
@@ -377,14 +339,13 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
         ("time steps", f"{record.steps} of {1e9 * step:.3g} ns"),
     )
     lead = (
-        f"{option('uncertainty')} of an impact computes what the results change on a second mesh; a table "
-        "[accuracy] in the input file finds the mesh that they need. Near the critical velocity the outcome itself "
-        "depends on the mesh."
+        f"{option('uncertainty')} runs a second mesh; a table [accuracy] finds the mesh that is needed. Near the "
+        "critical velocity the outcome itself depends on the mesh."
     )
     if setup.stops_a_bullet:
         lead += f" It has {setup.mesh_in_words}."
     table = Table(("mesh", "value"), rows, numeric=("value",))
-    return Section("panel-mesh", "Mesh", lead, tables=(table,))
+    return Section("panel-mesh", "Mesh", lead, tables=(table,), folded=True)
 
 
 def describe_assumed_range(around: AssumedRange) -> Section:
@@ -579,3 +540,34 @@ def _front_row(wave, recorded):
         along = f"{wave.speed * (1 + recorded.through(wave.family).crimp):.0f}"
     low, high = wave.interval
     return wave.kind, wave.family, f"{wave.speed:.0f}", f"{low:.0f} to {high:.0f}", along
+
+
+def draw_draws(found: Passing) -> Figure:
+    """Draw the drawn shots of a velocity."""
+    caption = (
+        "The drawn shots by the frictions that nobody gave; place and strengths are drawn too."
+    )
+    return pictures.draw_figure("draws", caption, pictures_uncertainty.draw_passing, found)
+
+
+def describe_draws(found: Passing) -> Section:
+    """Tabulate the drawn shots of a velocity."""
+    rows = [
+        (
+            str(shot.number),
+            shot.outcome,
+            f"{shot.residual:.1f}" if shot.perforated else "",
+            display.text(shot.deflection, "m", form=".3g").removesuffix(" mm"),
+            *(f"{shot.frictions[FRICTIONS[name].column]:.3f}" for name in found.unknown),
+            " ".join(f"{1e3 * x:.2f}" for x in shot.impact_point),
+            shot.checks,
+        )
+        for shot in found.shots
+    ]
+    numbers = (
+        "residual velocity [m/s]",
+        "deflection [mm]",
+        *(FRICTIONS[name].words for name in found.unknown),
+    )
+    table = Table(("draw", "outcome", *numbers, "x and y [mm]", "checks"), tuple(rows), "", numbers)
+    return Section("draws", "The drawn shots", tables=(table,), folded=True)

@@ -19,7 +19,7 @@ from weavecell.report import pictures3d
 from weavecell.report.page import Report, Section
 from weavecell.report.pictures_style import CLAY, ORANGE, RED, STEEL, tension_map
 from weavecell.report.shot import chapters_shot
-from weavecell.results import finding, vtk
+from weavecell.results import vtk
 from weavecell.results.display import text
 
 if TYPE_CHECKING:
@@ -67,10 +67,7 @@ def collect_instants(
 
 def page(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> Report:
     """Build a page of the view alone, in the form of a report."""
-    found = chapters_shot.find(record)
-    banner = finding.mark(chapters_shot.outcome(record), found.doubts)
-    shown = (section(record, instants),)
-    return Report(record.title, "", (), shown, outcome=banner, tone=found.tone)
+    return Report(chapters_shot.find(record), "", (section(record, instants),))
 
 
 def moving(record: ImpactRecord, instants: Sequence[tuple[Any, float]]) -> str:

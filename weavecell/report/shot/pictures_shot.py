@@ -25,7 +25,7 @@ _RAMPS = (
     ("#4a1236", "#8a2f66", "#c0608f", "#d892b5", "#ecc3d8"),
 )
 _MOST_NAMED = 6  # plies of one fabric in a legend
-_IN_A_ROW = 6, 4  # names in a row of a legend: of plies alone, with their fabrics
+_IN_A_ROW = 3, 2  # names in a row of a legend: of plies alone, with their fabrics
 
 
 def histories(pyplot: Any, record: ImpactRecord) -> Any:
@@ -56,7 +56,7 @@ def histories(pyplot: Any, record: ImpactRecord) -> Any:
 
 def plies(pyplot: Any, record: ImpactRecord) -> Any:
     """Draw deflection, force of the nose and energy of each ply over time, one below the other."""
-    figure, grid = pyplot.subplots(3, 1, figsize=(9, 8.4), sharex=True)
+    figure, grid = pyplot.subplots(3, 1, figsize=(5.6, 9), sharex=True)
     time = find_axis("time", "histories")
     fabrics = record.ply_fabrics
     colours = shades(fabrics or ("",) * record.count)
@@ -137,9 +137,8 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
     figure, grid = pyplot.subplots(
         len(rows),
         2,
-        figsize=(10.4, 0.5 + 2.7 * len(rows)),
+        figsize=(5.6, 0.5 + 2.1 * len(rows)),
         squeeze=False,
-        width_ratios=(1.15, 1),
         layout="none",
     )
     fabrics = rows[0].fabrics
@@ -159,6 +158,7 @@ def cuts(pyplot: Any, rows: Sequence[CutView], close_up: float, top: float | Non
         near.set_aspect("equal")
         for axes in axes_row:
             axes.grid(visible=axes is near)
+            axes.locator_params(nbins=5)
         fill_cut(whole, near, row, close_up, top)
     for axes in grid[-1]:
         axes.set_xlabel("x [mm]")

@@ -114,6 +114,7 @@ class ViewedShot:
             centre=centre,
             front=self.record.seen_from_front,
             face=self.face(t),
+            still=not self.series,
         )
 
     def face(self, t: float) -> FloatArray:
@@ -289,6 +290,11 @@ def end(pyplot: Any, record: ImpactRecord, near: bool = False) -> Any:
     return compose(pyplot, ViewedShot(record, []), grid, record.final[-1].time, near)
 
 
+def end_near(pyplot: Any, record: ImpactRecord) -> Any:
+    """Draw what is about the nose at the last instant."""
+    return end(pyplot, record, True)
+
+
 def half_way(pyplot: Any, record: ImpactRecord) -> Any:
     """Draw what is about the nose when the projectile had lost half of the energy that it lost."""
     grid = vtk.panel(record.half_energy, record.quads)
@@ -310,41 +316,44 @@ def still(record: ImpactRecord) -> tuple[page.Figure, ...]:
             "block, so that the fabric is seen before the other half."
         )
     figures = [pictures.draw_figure("panel", caption, end, record, kind="png")]
+    # one of the two, since a picture in space takes half a second: where a nose went through, what
+    # it did is seen before
     if any(shape.resolved.size for shape in record.final):
-        looks = (
-            "Each is an ellipse of its width at rest and half of the ply's thickness; pieces that have failed are "
-            "left out."
+        name, draw, when = "yarns-at-the-end", end_near, "at the end of the run"
+        if record.outcome == "perforated" and record.half_energy[0].time < record.final[0].time:
+            when = "when the projectile had lost half of the energy that it loses"
+            name, draw = "yarns", half_way
+        caption = (
+            f"The resolved yarns about the nose, {when}. Each is an ellipse of its width at rest and half of the "
+            "ply's thickness; pieces that have failed are left out."
         )
-        if record.half_energy[0].time < record.final[0].time:
-            caption = (
-                "The resolved yarns about the nose, when the projectile had lost half of the energy that it loses. "
-                f"{looks}"
-            )
-            figures.append(pictures.draw_figure("yarns", caption, half_way, record, kind="png"))
-        caption = f"The resolved yarns about the nose at the end of the run. {looks}"
-        draw = pictures.draw_figure("yarns-at-the-end", caption, end, record, True, kind="png")
-        figures.append(draw)
+        figures.append(pictures.draw_figure(name, caption, draw, record, kind="png", wide=False))
     return tuple(figures)
 
 
 def compose(pyplot: Any, shot: ViewedShot, grid: Any, t: float, near: bool = False) -> Any:
     """Compose the figure of the grid of one instant: outcome, instant, panel, or what is about the
     nose alone, and scale of tensions."""
-    figure = pyplot.figure(figsize=(8.4, 5.4), layout="none")
+    # a still is read on a phone too
+    figure = pyplot.figure(figsize=(8.4, 5.4) if shot.series else (5.6, 3.9), layout="none")
     # places by hand: a layout that matplotlib chooses would move from frame to frame
     axes = figure.add_axes((0.0, 0.14, 1.0, 0.74))
     axes.imshow(shot.image(grid, t, near), interpolation="antialiased")
     axes.axis("off")
-    figure.text(0.02, 0.95, shot.headline(), weight="bold", color=INK)
+    # of a page, which says it
+    if shot.series:
+        figure.text(0.02, 0.95, shot.headline(), weight="bold", color=INK)
     figure.text(0.02, 0.905, shot.caption(t), color=INK)
     scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 100), tension_map())
     bar = figure.colorbar(
-        scale, cax=figure.add_axes((0.2, 0.115, 0.6, 0.022)), orientation="horizontal"
+        scale, cax=figure.add_axes((0.2, 0.13, 0.6, 0.022)), orientation="horizontal"
     )
-    bar.set_label(
-        "yarn tension, % of the strength, the higher of warp and weft (orange: one yarn failed)",
-        fontsize=10,
-    )
+    words = "yarn tension, % of the strength (orange: failed)"
+    if shot.series:
+        words = (
+            "yarn tension, % of the strength, the higher of warp and weft (orange: one yarn failed)"
+        )
+    bar.set_label(words, fontsize=10)
     bar.outline.set_visible(False)
     return figure
 
