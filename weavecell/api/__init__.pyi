@@ -37,6 +37,10 @@ from weavecell.api.lists import show as show
 from weavecell.api.lists import view as view
 from weavecell.api.meshes import MeshResult as MeshResult
 from weavecell.api.meshes import mesh as mesh
+from weavecell.api.own_runs import RunsResult as RunsResult
+from weavecell.api.own_runs import RunTable as RunTable
+from weavecell.api.own_runs import draw as draw
+from weavecell.api.own_runs import run as run
 from weavecell.api.patches import PatchResult as PatchResult
 from weavecell.api.patches import patch as patch
 from weavecell.api.reduction import CompressionRecords as CompressionRecords

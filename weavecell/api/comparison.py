@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
@@ -38,11 +37,10 @@ from weavecell.results.left_out import LeftOut
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
-    from weavecell.studies.paired import Difference
+    from weavecell.runs.difference import Difference
 
 NAMES = ("difference.json", "difference.csv", "difference.svg", "report.html", "a/*", "b/*")
 # [-] by which areal densities differ at most that V50 alone compares
@@ -74,7 +72,8 @@ class ComparisonPlan(Plan["ComparisonResult"]):
     @property
     def plans(self) -> tuple[V50Plan, V50Plan]:
         """The V50Plan of A and of B."""
-        from weavecell.studies import inputs, v50
+        from weavecell.runs import v50
+        from weavecell.studies import inputs
 
         scatter = inputs.read_scatter()
         a, b = (V50Plan(one, scatter, self.shots, v50.BATCH, self.seed) for one in (self.a, self.b))
@@ -95,16 +94,14 @@ class ComparisonPlan(Plan["ComparisonResult"]):
         return StudySize.add_up(self.title, ("A", "B"), [plan.forecast() for plan in self.plans])
 
     def run(self, running: Running) -> ComparisonResult:
-        """Fire at both, B from the limit of A on."""
+        """Fire at both."""
         stride = max(panel.setup.plies for panel in (self.a, self.b))
         with running.count(self.title) as part:
             found: list[V50Result] = []
             for number, plan in enumerate(self.plans):
-                guess = found[0].v50 if found and isfinite(found[0].v50) else None
                 # their problems name the file
                 with plan.target.name_problems():
-                    report = part(number, 2)
-                    found.append(plan.fire(running, report, stride=stride, guess=guess))
+                    found.append(plan.fire(running, part(number, 2), stride=stride))
         return running.save(ComparisonResult(*found))
 
 
@@ -303,37 +300,44 @@ class ComparisonResult(OfTwoPanels):
     @cached_property
     def difference(self) -> Difference:
         """V50 of A less that of B, with its interval."""
-        from weavecell.studies import drawn, paired
+        from weavecell.runs.difference import Difference, subtract
 
         fewest = min(len(one.study.shots) for one in (self.a, self.b))
         found = [one.study.posterior for one in (self.a, self.b)]
         for name, posterior in zip("AB", found):
             if posterior is None:
-                reason = f"all shots at {name} end alike"
-                return paired.Difference(nan, -inf, inf, fewest, drawn.CONFIDENCE, reason)
-        of_a, of_b = found
-        return paired.Difference(*drawn.subtract(of_a, of_b), fewest, drawn.CONFIDENCE)
+                return Difference.missing(fewest, f"all shots at {name} end alike")
+        of_a, of_b = (posterior.middles for posterior in found)
+        return Difference(subtract(of_a, of_b), fewest)
+
+    @cached_property
+    def difference_by_mass(self) -> Difference:
+        """Energy of the projectile at V50 over areal density [J m2/kg], of A less that of B."""
+        from weavecell.runs.difference import Difference, subtract
+
+        by_velocity = self.difference
+        if by_velocity.reason:
+            return by_velocity
+        energies = []
+        for panel, one, density in zip(self.targets, (self.a, self.b), self.areal_densities):
+            mass = panel.setup.projectile.mass
+            energies.append(0.5 * mass * one.study.posterior.middles**2 / density)
+        return Difference(subtract(*energies), by_velocity.shots)
 
     @property
     def interval(self) -> tuple[float, float]:
         """[m/s] (low, high) of the difference."""
-        return self.difference.low, self.difference.high
+        return self.difference.span.low, self.difference.span.high
 
     @property
     def verdict(self) -> str:
         """ "better" if A is better than B over the whole interval, "worse", or "not decided"."""
-        from weavecell.studies import paired
-
-        return paired.judge(*self.interval)
+        return self.difference.verdict
 
     @property
     def shots_to_decide(self) -> int | None:
         """Number of shots at each after which the difference as it is would be decided; None if
         shots would not decide, or it is decided."""
-        from weavecell.studies import paired
-
-        if self.verdict != paired.UNDECIDED:
-            return None
         return self.difference.shots_to_decide()
 
     @property
@@ -364,19 +368,10 @@ class ComparisonResult(OfTwoPanels):
         """What the numbers leave out, of A and of B."""
         return tuple(dict.fromkeys((*self.a.left_out, *self.b.left_out)))
 
-    def _energies(self):
-        """(value, low, high) [J m2/kg] of A and of B: energy over areal density at V50 or limit and at
-        the ends of its interval."""
-        found = []
-        for panel, result, density in zip(self.targets, (self.a, self.b), self.areal_densities):
-            speeds = (result.v50, result.v50_low, result.v50_high)
-            found.append([0.5 * panel.setup.projectile.mass * v**2 / density for v in speeds])
-        return found
-
     @property
     def answer(self) -> Answer:
-        """Which is better, and by how much."""
-        from weavecell.studies import paired
+        """Which is better, per areal density first where the two differ in it, and by how much."""
+        from weavecell.runs.difference import UNDECIDED
 
         difference = self.difference
         subject = f"{', or '.join(self.names)}: which is better?"
@@ -385,31 +380,29 @@ class ComparisonResult(OfTwoPanels):
         low, high = self.interval
         by = f"V50 of A less B {difference.value:+.3g} m/s ({low:+.3g} to {high:+.3g})"
         value = f"{_say_verdict(self.verdict)}: {by}"
-        a, b = self._energies()
+        a, b = self.specific_energies
         count = counted(difference.shots, "drawn shot")
-        each = f"{self.a.v50:.3g} and {self.b.v50:.3g} m/s, {a[0]:.3g} and {b[0]:.3g} J per kg/m²"
+        each = f"{self.a.v50:.3g} and {self.b.v50:.3g} m/s, {a:.3g} and {b:.3g} J per kg/m²"
         over = f"{count} at each: {each}"
         if abs(self.heavier) > ALIKE:
-            _, *ends = paired.subtract(a, b)
-            value = f"per areal density {_say_verdict(paired.judge(*ends))}; as a whole {value}"
+            by_mass = self.difference_by_mass.verdict
+            value = f"per areal density {_say_verdict(by_mass)}; as a whole {value}"
             more = "more" if self.heavier > 0 else "less"
             over += f"; A has {100 * abs(self.heavier):.0f} % {more} mass"
-        advice = () if self.verdict != paired.UNDECIDED else (self._what_decides(),)
+        advice = (self._what_decides(),) if self.verdict == UNDECIDED else ()
         return self._find_answer(subject, value, advice=advice, over=over)
 
     def _what_decides(self):
         """What would decide, in words."""
-        from weavecell.studies import paired
+        from weavecell.runs.difference import MOST_SHOTS
 
         needed = self.shots_to_decide
         if needed is None:
-            return f"{paired.MOST_SHOTS:,} shots of each would not decide it either"
+            return f"{MOST_SHOTS:,} shots of each would not decide it either"
         return f"{counted(needed - self.difference.shots, 'more shot')} at each, if the difference stays"
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
-        from weavecell.studies import paired
-
         difference = self.difference
         lines = [self.answer.line]
         for label, result, density, energy in zip(
@@ -422,16 +415,11 @@ class ComparisonResult(OfTwoPanels):
             )
         lines.append(f"mass of A: {100 * self.heavier:+.1f} % against B")
         if not difference.reason:
+            low, high = self.interval
             lines.append(
-                f"difference by {counted(difference.shots, 'shot')} at each: {difference.low:+.1f} to "
-                f"{difference.high:+.1f} m/s with {100 * difference.confidence:g} % confidence"
+                f"difference by {counted(difference.shots, 'shot')} at each: {low:+.1f} to "
+                f"{high:+.1f} m/s with {100 * difference.confidence:g} % confidence"
             )
-            widths = paired.forecast_widths(difference)
-            if widths:
-                each = ", ".join(
-                    f"{counted(count, 'shot')} ± {width:.1f}" for count, width, _ in widths
-                )
-                lines.append(f"interval of the difference by the shots, m/s: {each}")
         if self.other_differences:
             lines.append(f"A and B also differ in: {', '.join(self.other_differences)}")
         failures = getattr(getattr(self.a, "study", None), "failures", ())
@@ -452,16 +440,6 @@ class ComparisonResult(OfTwoPanels):
                 (*self.specific_energies, less[1]),
             )
         ]
-
-    def widths(self) -> DataFrame:
-        """Return the half width of the interval of the difference that numbers of shots would give,
-        and the verdict if the difference stays."""
-        from pandas import DataFrame
-
-        from weavecell.studies import paired
-
-        names = ["shots at each", "± of the difference [m/s]", "verdict if it stays"]
-        return DataFrame(paired.forecast_widths(self.difference), columns=names)
 
     def draw(self, pyplot: Any) -> Figure:
         """Draw V50 of A and B with their shots, and the difference below."""
@@ -490,9 +468,6 @@ class ComparisonResult(OfTwoPanels):
         from weavecell.report.page import Table
 
         tables = [Table.from_frame(self.table())]
-        if len(widths := self.widths()):
-            caption = "Width over the number of shots, if the difference stays as it is"
-            tables.append(Table.from_frame(widths, caption))
         points = ("The pages of the two are a/report.html and b/report.html.",)
         seconds = {"both studies": self.b.wall_time}
         self._write_page(out, stamp, tables, (), points, seconds)

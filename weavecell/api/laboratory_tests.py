@@ -10,7 +10,7 @@ The folder of `weavecell reduce tests`
     inputs/              copies of the files that the input file names
 
 Of tests alone
-    tests.json           V50 of the probit and of six shots, Lambert-Jonas fit, with intervals,
+    tests.json           V10, V50 and V90, V50 of six shots, Lambert-Jonas fit, with intervals,
                          provenance
     shots.csv            every test
     tests.svg            residual against strike velocity
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
-    from weavecell.studies.laboratory_tests import Comparison, ReducedTests
+    from weavecell.runs.laboratory_tests import Comparison, ReducedTests
 
 
 OF_TESTS = ("tests.json", "shots.csv", "tests.svg")
@@ -69,7 +69,7 @@ class ReductionPlan(Plan["TestsResult"]):
 
     def run(self, running: Running) -> TestsResult:
         """Compute their statistics."""
-        from weavecell.studies import laboratory_tests as studies
+        from weavecell.runs import laboratory_tests as studies
 
         return running.save(TestsResult(studies.reduce(self.fired), self.tests))
 
@@ -119,8 +119,8 @@ class BesideShotsPlan(Plan["TestsBesideShots"]):
     def run(self, running: Running) -> TestsBesideShots:
         """Search the limit, and fire at the velocities of the tests."""
         from shellfabric.membrane import quality
+        from weavecell.runs import laboratory_tests as studies
         from weavecell.studies import ballistic_limit
-        from weavecell.studies import laboratory_tests as studies
 
         struck = self.target.setup.target()
         kept = ballistic_limit.KeptShots(running.kept, self.target.setup)
@@ -157,8 +157,8 @@ def reduce_tests(
 
     TESTS has a row a shot, and the columns velocity, outcome (PP or CP, or stopped or perforated)
     and, where it was measured, residual velocity, each speed with its unit in the heading:
-    "velocity [m/s]". Without a target nothing is computed: the tests alone give V50 of a probit
-    fit, V50 of six shots (MIL-STD-662F), and the fit of Lambert and Jonas to the residual
+    "velocity [m/s]". Without a target nothing is computed: the tests alone give V10, V50 and
+    V90, V50 of six shots (MIL-STD-662F), and the fit of Lambert and Jonas to the residual
     velocities. With a target the shots are also fired at it at these velocities, and its critical
     velocity is found, on the mesh of the input file.
 
@@ -197,7 +197,7 @@ def reduce_tests(
     >>> comparison.comparison.agree
     2
     """
-    from weavecell.studies import laboratory_tests as studies
+    from weavecell.runs import laboratory_tests as studies
     from weavecell.studies import strengths
 
     width = 1.0
@@ -222,7 +222,7 @@ class TestsResult(DrawnResult):
 
     Parameters
     ----------
-    reduced : `weavecell.studies.laboratory_tests.ReducedTests`
+    reduced : `weavecell.runs.laboratory_tests.ReducedTests`
     tests : name of their file
 
     Examples
@@ -242,7 +242,7 @@ class TestsResult(DrawnResult):
     tests: str
 
     def summary(self) -> dict[str, Any]:
-        """Return V50 of the probit and of six shots, and the Lambert-Jonas fit, with intervals."""
+        """Return V10, V50 and V90, V50 of six shots, and the Lambert-Jonas fit, with intervals."""
         return self.reduced.summary() | self._what_is_doubtful()
 
     def _columns(self):
@@ -288,7 +288,7 @@ class TestsBesideShots(StudyResult):
     Parameters
     ----------
     target : `weavecell.api.target.Target` that was shot at
-    comparison : `weavecell.studies.laboratory_tests.Comparison`
+    comparison : `weavecell.runs.laboratory_tests.Comparison`
     tests : name of their file
     checks : each quality check of the computed shot in which it is worst
 
@@ -332,10 +332,10 @@ class TestsBesideShots(StudyResult):
     def _format_difference(self):
         """By how much the computed velocity differs from the V50 of the tests; "" without one."""
         limit = self.comparison.limit
-        curve = self.comparison.tests.curve
-        if curve.reason:
+        if self.comparison.tests.posterior is None:
             return ""
-        return f", {100 * (limit.velocity / curve.V50 - 1):+.1f} % off the V50 of the tests"
+        off = limit.velocity / self.comparison.tests.v50 - 1
+        return f", {100 * off:+.1f} % off the V50 of the tests"
 
     def _columns(self):
         return self.comparison.table

@@ -99,7 +99,7 @@ def read_search(
     ------
     InputError : a tolerance that is not positive, too few shots, or no seed
     """
-    from weavecell.studies import v50
+    from weavecell.runs import v50
 
     width, count = usual
     if tolerance is not None:

@@ -504,11 +504,12 @@ def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) 
     if quantity == "shot":
         return StudySize.estimate(setup, setup.title, 1, velocity=True, **words)
     # a shot asks for its own forecast, and needs no statistics for it
-    from weavecell.studies import pack_limit, v50
+    from weavecell.runs import table
+    from weavecell.studies import pack_limit
     from weavecell.studies.limit import usual_tolerance
 
     if quantity == "v50":
-        return StudySize.estimate(v50.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
+        return StudySize.estimate(table.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
     beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
     width = width or usual_tolerance(setup.target())
     return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width, **words)

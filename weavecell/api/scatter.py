@@ -34,12 +34,12 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
-    from weavecell.studies.drawn import Span
+    from weavecell.runs.span import Span
+    from weavecell.runs.v50 import Study
     from weavecell.studies.inputs import Scatter
-    from weavecell.studies.v50 import Study
 
 
-NAMES = ("v50.json", "v50.csv", "shots.csv", "v50.png", *out_folder.INPUT, "report.html")
+NAMES = ("v50.json", "v50.csv", "shots.csv", "shots.h5", "v50.png", *out_folder.INPUT, "report.html")
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,10 @@ class V50Plan(Plan["V50Result"]):
 
     def forecast(self) -> StudySize:
         """Forecast shots and CPU time."""
-        from weavecell.studies import v50 as analysis
+        from weavecell.runs import table
 
         words: dict[str, Any] = {"scene": self.target.scene, "drawn": True}
-        fired = analysis.as_fired(self.target.setup)
+        fired = table.as_fired(self.target.setup)
         return StudySize.estimate(fired, self.target.title, self.shots, 0, **words)
 
     def run(self, running: Running) -> V50Result:
@@ -91,7 +91,7 @@ class V50Plan(Plan["V50Result"]):
 
     def fire(self, running: Running[Any], report: Report, **more: Any) -> V50Result:
         """Fire; `more` of `v50.study`."""
-        from weavecell.studies import v50 as analysis
+        from weavecell.runs import v50 as analysis
 
         study = analysis.study(
             self.target.setup,
@@ -163,8 +163,8 @@ def v50(
     >>> found.v50_low < found.v50 < found.v50_high  # [m/s]
     True
     """
+    from weavecell.runs import v50 as analysis
     from weavecell.studies import inputs, strengths
-    from weavecell.studies import v50 as analysis
 
     if weibull_shape is not None and weibull_shape != inf:
         weibull_shape = quantities.read_positive(weibull_shape, "", "weibull_shape")
@@ -198,7 +198,7 @@ class V50Result(StudyResult):
 
     Parameters
     ----------
-    study : `weavecell.studies.v50.Study`, with shots and the answer that they tell
+    study : `weavecell.runs.v50.Study`, with shots and the answer that they tell
     target : `weavecell.api.target.Target` that was shot at
     seed, batch : of the shots
     wall_time : [s]
@@ -243,7 +243,7 @@ class V50Result(StudyResult):
 
     @property
     def _v50(self):
-        from weavecell.studies.drawn import Span
+        from weavecell.runs.span import Span
 
         return self.velocities.get("V50", Span(nan, nan, nan))
 
@@ -261,6 +261,11 @@ class V50Result(StudyResult):
     def summary(self) -> dict[str, Any]:
         """Return V10, V50 and V90 with their intervals, and what decides."""
         return self.study.summary() | self._what_is_assumed()
+
+    @property
+    def shots(self) -> DataFrame:
+        """The table of the shots, a row each: what was drawn and what came of it."""
+        return self.to_dataframe()
 
     def _items(self):
         return self.study.shots
@@ -302,9 +307,9 @@ class V50Result(StudyResult):
     @property
     def fired(self) -> ImpactSetup:
         """As in `StudyResult`: the whole panel, on the mesh of a V50."""
-        from weavecell.studies import v50
+        from weavecell.runs import table
 
-        return v50.as_fired(super().fired)
+        return table.as_fired(super().fired)
 
     @property
     def title(self) -> str:
@@ -362,9 +367,9 @@ class V50Result(StudyResult):
         return remarks + self.notes
 
     def _zones(self):
-        from weavecell.studies import v50
+        from weavecell.runs import table
 
-        return v50.grade_mesh(self.target.setup).grading
+        return table.grade_mesh(self.target.setup).grading
 
     def table(self) -> DataFrame:
         """Return V10, V50 and V90 with their intervals."""
@@ -402,6 +407,7 @@ class V50Result(StudyResult):
             "v50.json": content,
             "v50.csv": self.table().to_csv(index=False, float_format="%.6g"),
             "shots.csv": self.to_csv(),
+            "shots.h5": self.shots,
             "v50.png": None,
         }
 

@@ -72,10 +72,10 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
     from weavecell.report.page import Embedded
     from weavecell.results.result_folder import ResultFolder
+    from weavecell.runs.passing import Passing
     from weavecell.scenes.build import Case
     from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
-    from weavecell.studies.passing import Passing
     from weavecell.studies.window import Window
 
 RANGE = "range"  # folder of the finished shots of the range over what is assumed
@@ -164,10 +164,10 @@ class ShotPlan(Plan["ShotResult"]):
         size = replace(size, said=replace(size.said, choices=tuple(choices.items())))
         if not self.draws:
             return size
-        from weavecell.studies import v50
+        from weavecell.runs import table
 
         drawn = StudySize.estimate(
-            v50.as_fired(panel.setup), panel.title, self.draws, 0, drawn=True
+            table.as_fired(panel.setup), panel.title, self.draws, 0, drawn=True
         )
         return replace(size, beside=drawn)
 
@@ -434,7 +434,8 @@ def _say_draws():
 
 def _with_draws(shot, plan, folder):
     """The ShotResult with the drawn shots of a ShotPlan."""
-    from weavecell.studies import inputs, passing
+    from weavecell.runs import passing
+    from weavecell.studies import inputs
 
     logging.getLogger("weavecell").info(str(shot.answer))
 

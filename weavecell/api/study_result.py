@@ -11,7 +11,7 @@ from fabrics.base.checks import FilePath
 from weavecell.api.result import Result, figure
 from weavecell.api.target import list_assumptions
 from weavecell.report import installed
-from weavecell.results import out_folder
+from weavecell.results import one_table, out_folder
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ class DrawnResult(Result):
                 content |= summarise(self.left_out) | self._what_is_doubtful()
                 content["answer"] = self.answer.entry()
                 json_file.write(folder / name, content | {"provenance": stamp})
+            elif kind == "h5":
+                one_table.write_hdf5(content, folder / name, self.kind)
             elif content:
                 files.write(folder / name, content)
             elif drawn:

@@ -148,7 +148,7 @@ class SweepPlan(Plan["SweepTable"]):
         return running.save(result)
 
     def _compute_rows(self, running):
-        from weavecell.studies import sweep as studies
+        from weavecell.runs import sweep as studies
 
         with running.count(self.title) as part:
             if self.quantity != "v50":
@@ -279,9 +279,9 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             allowed = "left out of set-ups: an input file, or a fabric, has a report"
             raise InputError(key="out", allowed=allowed)
         return SetupsPlan(_list_setups(target))
+    from weavecell.runs import sweep as studies
     from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths
-    from weavecell.studies import sweep as studies
 
     if quantity not in list(studies.QUANTITIES):
         raise InputError(
@@ -497,12 +497,12 @@ class SweepTable(StudyResult):
     @property
     def fired(self) -> ImpactSetup:
         """As in `StudyResult`, of the first row."""
-        from weavecell.studies import v50
+        from weavecell.runs import table
 
         if self.quantity == "shot":
             return self.target.setup
         if self.draws_strengths:
-            return v50.as_fired(super().fired)
+            return table.as_fired(super().fired)
         return super().fired
 
     @property
@@ -515,7 +515,7 @@ class SweepTable(StudyResult):
     @property
     def _drawn(self):
         """The `Quantity` of its columns."""
-        from weavecell.studies.sweep import QUANTITIES
+        from weavecell.runs.sweep import QUANTITIES
 
         return QUANTITIES[self.quantity]
 
@@ -642,7 +642,7 @@ class SweepTable(StudyResult):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
-        from weavecell.studies.sweep import INTERVAL, MIXED, QUANTITIES
+        from weavecell.runs.sweep import INTERVAL, MIXED, QUANTITIES
 
         quantity = QUANTITIES[self.quantity]
         lines = []
@@ -745,7 +745,7 @@ class SweepResult(Result, Sequence):
     def plot(self) -> Figure:
         """Draw a matplotlib figure: residual against strike velocity [m/s], a line an outcome."""
         from weavecell.report import pictures_uncertainty
-        from weavecell.studies.sweep import QUANTITIES
+        from weavecell.runs.sweep import QUANTITIES
 
         strikes = [shot.strike_velocity for shot in self.shots]
         label = find_axis("strike_velocity_m_s").label

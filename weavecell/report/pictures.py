@@ -288,16 +288,16 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
 
     Parameters
     ----------
-    tests : weavecell.studies.laboratory_tests.ReducedTests
-    comparison : weavecell.studies.laboratory_tests.Comparison; None of tests alone
+    tests : weavecell.runs.laboratory_tests.ReducedTests
+    comparison : weavecell.runs.laboratory_tests.Comparison; None of tests alone
     """
     table = tests.table
     strike = tests.table["strike_velocity_m_s"]
-    curve = tests.curve
-    if curve.reason:
-        velocities = [*strike]
-    else:
-        velocities = [*strike, curve.V50]
+    velocities = [*strike]
+    v50 = None
+    if tests.posterior is not None:
+        v50 = tests.posterior.velocities["V50"]
+        velocities.append(v50.value)
     fits = [(tests.lambert_jonas, STEEL, "tests, Lambert-Jonas")]
     if comparison is not None:
         velocities += [comparison.limit.low, comparison.limit.high]
@@ -305,11 +305,11 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
     low = 0.94 * min(velocities)
     high = 1.02 * max(velocities)
     figure, axes = _draw_velocity_axes(pyplot, title, low, high)
-    if not curve.reason:
-        start, end = (max(low, min(high, v)) for v in curve.intervals["V50"])
+    if v50 is not None:
+        start, end = (max(low, min(high, v)) for v in v50[1:])
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
-        words = f"V50 of the tests\n{curve.V50:.1f} m/s\n(grey: 95 % interval)\nwith a prior"
-        axes.axvline(curve.V50, color=STEEL, lw=1.5, label=words)
+        words = f"V50 of the tests\n{v50.value:.1f} m/s\n(grey: 90 % interval)"
+        axes.axvline(v50.value, color=STEEL, lw=1.5, label=words)
     if comparison is not None:
         words = f"computed critical\nvelocity {comparison.limit.velocity:.1f} m/s"
         axes.axvline(comparison.limit.velocity, color=ORANGE, lw=1.5, label=words)

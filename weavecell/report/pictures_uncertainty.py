@@ -20,16 +20,16 @@ from weavecell.report.pictures_style import (
     legend_beside,
 )
 from weavecell.results.keys import find_axis
-from weavecell.studies import drawn
+from weavecell.runs.go_no_go import LEVELS
 from weavecell.studies.unknown import FRICTIONS
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from weavecell.runs.passing import Passing
+    from weavecell.runs.sweep import Quantity
+    from weavecell.runs.v50 import Study
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.passing import Passing
-    from weavecell.studies.sweep import Quantity
-    from weavecell.studies.v50 import Study
 
 NARROW = (
     5.6  # inch: of a picture that a page shows beside its answer, and a phone as wide as itself
@@ -66,7 +66,7 @@ def perforation(pyplot: Any, study: Study) -> Any:
         middle, low, high = np.array(study.posterior.passing(grid)).T
         axis.fill_between(grid, low, high, color=BLUE, alpha=0.18, lw=0, label="90 % interval")
         axis.plot(grid, middle, color=BLUE, label="share that passes")
-        for level, (name, span) in zip(drawn.LEVELS, study.posterior.velocities.items()):
+        for level, (name, span) in zip(LEVELS, study.posterior.velocities.items()):
             axis.plot([span.low, span.high], [level, level], color=ORANGE, lw=3, alpha=0.8)
             axis.plot(span.value, level, "D", color=ORANGE)
             place = {"xytext": (0, 8), "textcoords": "offset points", "ha": "right"}
@@ -168,7 +168,7 @@ def draw_passing(pyplot: Any, found: Passing) -> Any:
     known = [FRICTIONS[name] for name in found.unknown][:2]
     hit = np.array([shot.perforated for shot in found.shots])
     left = np.where(hit, [shot.residual for shot in found.shots], 0.0)
-    columns = [[shot.frictions[one.column] for shot in found.shots] for one in known]
+    columns = [[shot.drawn[one.column] for shot in found.shots] for one in known]
     labels = [f"{one.words} [-]" for one in known]
     if not known:
         columns, labels = [[shot.number for shot in found.shots]], ["number of the draw"]

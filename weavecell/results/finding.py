@@ -15,13 +15,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from weavecell.runs.outcomes import DEPENDS
+
 if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
 PLAIN = "plain"
 COLOURED = ("stopped", "perforated", "unstable")
 CLEAR = "no check beyond its limit"
-DEPENDS = "depends"  # outcome of shots that differ
 TONE_OF_DOUBT = "doubtful"
 _SHOWN: ContextVar[tuple[str, ...]] = ContextVar("doubts of the result that is shown", default=())
 

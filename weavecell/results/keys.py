@@ -65,7 +65,8 @@ class Key(NamedTuple):
         """Return the value of the key in an object, such as a record."""
         for part in self.field.split("."):
             if isinstance(source, Mapping):
-                source = source[part]
+                # what only some have, such as what was drawn of them
+                source = source.get(part) if self.optional else source[part]
             else:
                 if part.lstrip("-").isdigit():
                     source = source[int(part)]
@@ -96,6 +97,8 @@ def _read_key(name, row):
 
 for _name, _rows in read_data(Path(__file__).with_suffix(".toml")).items():
     TABLES[_name] = tuple(_read_key(key, row) for key, row in _rows.items())
+# a study of one's own has the shots of a V50
+TABLES["runs"] += tuple(key for key in TABLES["v50"] if key.name.startswith("rows."))
 # tables of summary.json that an impact has where this attribute of its record is not empty
 OF_SOME = {"pack": "pack", "bar": "of_bar", "metal": "of_metal", "backing": "of_backing"}
 OF_IMPACTS = (
@@ -143,6 +146,7 @@ OF_KINDS = (
     *(
         "critical_velocity",
         "v50",
+        "runs",
         "difference",
         "sweep",
         "tests",

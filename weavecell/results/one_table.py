@@ -15,6 +15,7 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from fabrics.base import files
 from fabrics.base.checks import FilePath
 from weavecell.results import keys
 from weavecell.results.keys import Key
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 ROWS = "rows."
+HDF5_FORMAT = "weavecell table 1"
 
 
 def facts(result: object, table: str) -> dict[str, Any]:
@@ -134,3 +136,15 @@ def _split(key: Key) -> Iterator[tuple[str, int | None]]:
     for number, part in enumerate(key.parts):
         words, _, unit = key.name.rpartition("_")
         yield f"{words}_{part}_{unit}", number
+
+
+def write_hdf5(made: DataFrame, path: FilePath, table: str) -> None:
+    """Write a table as HDF5, whole or not at all: a dataset a column, with its unit."""
+    with files.write_hdf5(path, HDF5_FORMAT) as file:
+        for name in map(str, made):
+            values = made[name].to_numpy()
+            if values.dtype == object:
+                file.create_dataset(name, data=[str(value) for value in values])
+                continue
+            key = find_column(name, table)
+            file.create_dataset(name, data=values).attrs["unit"] = key.si_unit if key else "1"

@@ -44,13 +44,13 @@ class Drawn:
     pack : Pack of whole plies
     factors : {"modulus", "crimp_warp", "crimp_weft": factor [-] of all plies}
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn of any ply
-    frictions : {column: [-] where nobody gave it, else None}
+    values : {column: value} of all that was drawn
     """
 
     pack: Pack
     factors: dict[str, float]
     weakest: tuple[float, float]
-    frictions: dict[str, float | None]
+    values: dict[str, float]
 
 
 def draw_panel(
@@ -85,8 +85,8 @@ def draw_panel(
     pack = with_strengths(pack, strength, number, stride)
     drawn_strengths = [ply.strength_factors or () for ply in pack.plies]
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))
-    told = {one.column: frictions.get(name) for name, one in FRICTIONS.items()}
-    return Drawn(pack, factors, (warp, weft), told)
+    values = {FRICTIONS[name].column: value for name, value in frictions.items()}
+    return Drawn(pack, factors, (warp, weft), values | factors)
 
 
 def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:

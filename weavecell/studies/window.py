@@ -32,7 +32,7 @@ from fabrics.base import run_cache, sums
 from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
-from weavecell.studies import sweep
+from weavecell.studies import shot_row
 
 FACTORS = 0.92, 0.96, 1.0, 1.04, 1.08
 # a jump: a step of the absorbed energy, over the largest energy and over the median of the other steps
@@ -76,7 +76,7 @@ class Window:
     Parameters
     ----------
     strike_velocity : [m/s] of the middle
-    shots : rows of `sweep.row_of`, each with its "strike_velocity_m_s", by strike velocity
+    shots : rows of `shot_row.row_of`, each with its "strike_velocity_m_s", by strike velocity
     """
 
     strike_velocity: float
@@ -154,7 +154,7 @@ def fire(setup: ImpactSetup) -> dict[str, Any]:
 
 
 def _row(result, problem=""):
-    return {"strike_velocity_m_s": result.setup.strike_velocity} | sweep.row_of(result, problem)
+    return {"strike_velocity_m_s": result.setup.strike_velocity} | shot_row.row_of(result, problem)
 
 
 def fire_window(result: ImpactResult, **runs: Any) -> Window | None:

@@ -4,10 +4,10 @@ that passes at one velocity, and the nominal values."""
 import numpy as np
 import pytest
 from scipy.stats import beta
+from weavecell.studies.drawn import LimitPosterior, Outcomes
 
 import weavecell as wc
 from weavecell.studies import drawn, passing, strengths, unknown, v50
-from weavecell.studies.drawn import LimitPosterior, Outcomes
 from weavecell.studies.places import ON_WARP, resolve, strike_at
 
 NAMES = ("place", "friction on the nose")

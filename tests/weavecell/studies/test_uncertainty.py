@@ -7,7 +7,6 @@ from math import gamma
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.stats import chi2
 
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
@@ -20,8 +19,6 @@ from weavecell.studies import (
     assumed_range,
     ballistic_limit,
     inputs,
-    probit,
-    protocol,
     strengths,
     v50,
 )
@@ -83,79 +80,14 @@ def test_changed_fabric(fabric):
     assert heavy.shear.G2 == pytest.approx(1.2 * fabric.shear.G2)
 
 
-def test_likelihood_of_repeated_shots_at_two_velocities():
-    """With two velocities the curve goes through both shares: V50 and s in closed form."""
-    V = np.repeat([100.0, 120.0], 10)
-    hit = np.tile(np.arange(10), 2) < np.repeat([2, 7], 10)
-    for link, law in probit.LINKS.items():
-        curve = probit.fit(V, hit, link=link)
-        s = 20 / (law.ppf(0.7) - law.ppf(0.2))
-        assert curve.s == pytest.approx(s, rel=1e-5)
-        assert curve.V50 == pytest.approx(100 - s * law.ppf(0.2), rel=1e-6)
-        low, high = curve.intervals["V50"]
-        assert low < curve.V50 < high
 
 
-def test_separated_shots():
-    curve = probit.fit([90, 95, 100, 105, 110], [False, False, False, True, True])
-    assert curve.V50 == 102.5
-    assert curve.s == 0.0
-    assert curve.separated
-    few = probit.fit(range(50, 130, 10), [False, True, False, False, True, False, True, True])
-    # no velocity is below 0
-    assert few.V0 == 0.0
-    assert few.intervals["V0"][0] == 0.0
 
 
-def test_a_step_at_the_velocity_of_a_stop_and_a_perforation():
-    """The likelihood is largest for s = 0 there, whatever the share that perforated, and the interval is found."""
-    V = [100.0, 110.0, *[140.0] * 22, 160.0]
-    hit = [False, False, True, *[False] * 21, True]
-    curve = probit.fit(V, hit)
-    assert curve.V50 == pytest.approx(140.0, abs=0.01)
-    assert curve.s == 0.0
-    assert curve.separated
-    assert curve.by_prior
-    assert "a step, s = 0" in curve.words()
-    assert curve.likelihood == pytest.approx(np.log(1 / 22) + 21 * np.log(21 / 22), rel=1e-3)
-    low, high = curve.intervals["V50"]
-    assert low <= curve.V50
-    assert 150.0 < high
 
 
-@pytest.mark.parametrize(
-    "velocities, outcomes, told",
-    [
-        ([130, 135, 140, 145, 150, 155], "CCCPPP", "share of perforations does not grow"),
-        ([100, 110, 120, 130], "PCCP", "share of perforations does not grow"),
-        ([140, 140, 140, 140], "PCPC", "all shots have one velocity, 140 m/s"),
-        ([100, 110], "CC", "all 2 shots perforated"),
-        ([100, 110], "PP", "all 2 shots stopped"),
-        ([], "", "all 0 shots stopped"),
-    ],
-)
-def test_shots_that_determine_no_v50_say_why(velocities, outcomes, told):
-    hit = np.array([letter == "C" for letter in outcomes], bool)
-    for link in probit.LINKS:
-        curve = probit.fit(velocities, hit, link=link)
-        assert told in curve.reason
-        assert np.isnan([curve.V50, curve.s, curve.V0, curve.V100]).all()
-    assert protocol.series(curve).share == 0
 
 
-def test_separated_shots_have_the_likelihood_of_a_public_answer():
-    """R-help, 2003: by the profile likelihood of a logistic curve s up to 0.8 is consistent with the data; the
-    posterior, which does not take a step for certain, leaves more."""
-    stops = [-5.8, -4.8, -2.8667, -1.6667, -0.8667, -0.7333]
-    V = 10 + np.array([*stops, -0.1333, 1.2, 1.3333])
-    for end in (9.10, 10.42):
-        fall = probit.fallen(V, V > 9.5, end, link="logit")
-        assert fall == pytest.approx(0.5 * chi2.ppf(0.95, 1), rel=0.02)
-    curve = probit.fit(V, V > 9.5, link="logit")
-    low, high = curve.intervals["V50"]
-    assert low < 9.10
-    assert high > 10.42
-    assert curve.by_prior
 
 
 def test_drawn_strengths(fabric):
@@ -240,26 +172,6 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
     assert np.median(spared) > 0
 
 
-@pytest.mark.parametrize("link", probit.LINKS)
-def test_the_curve_is_that_of_statsmodels(link):
-    """The same likelihood and its maximum; and intervals of V50 a little wider than its normal ones, where shots are
-    many."""
-    models = pytest.importorskip("statsmodels.api")
-    random = np.random.default_rng(1)
-    V = random.uniform(80.0, 120.0, 200)
-    hit = random.uniform(size=V.size) < probit.LINKS[link].cdf((V - 100.0) / 3.0)
-    ours = probit.fit(V, hit, link=link)
-    model = {"probit": models.Probit, "logit": models.Logit}[link]
-    found = model(hit.astype(float), models.add_constant(V - 100.0)).fit(disp=0, tol=1e-12)
-    b0, b1 = found.params
-    assert (ours.V50, ours.s, ours.likelihood) == pytest.approx(
-        (100.0 - b0 / b1, 1 / b1, found.llf), rel=1e-5
-    )
-    slope = np.array([-1 / b1, b0 / b1**2])
-    half = 1.96 * np.sqrt(slope @ found.cov_params() @ slope)
-    low, high = ours.intervals["V50"]
-    assert half < 0.5 * (high - low) < 1.1 * half
-    assert 0.5 * (low + high) == pytest.approx(ours.V50, abs=0.1)
 
 
 def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path):
@@ -287,47 +199,8 @@ def test_shots_are_those_of_their_numbers_whatever_the_workers(fabric, tmp_path)
     ]
 
 
-def test_short_series_of_tests_find_the_curve_they_are_fired_on():
-    """Their mean is V50 and 95 % of them lie in the range; on a steep curve they differ by the steps alone, and where
-    the zone of mixed outcomes is far wider than the span fewer have a result."""
-    random = np.random.default_rng(3)
-    V = random.uniform(150.0, 250.0, 400)
-    curve = probit.fit(
-        V, random.uniform(size=V.size) < probit.LINKS["probit"].cdf((V - 200.0) / 8.0)
-    )
-    found = protocol.series(curve)
-    assert found == protocol.series(curve)
-    assert found != protocol.series(curve, seed=2)
-    assert found.mean == pytest.approx(curve.V50, abs=1.0)
-    assert found.low < curve.V50 < found.high
-    assert 6 <= found.shots <= protocol.MOST
-    assert found.share > 0.9
-    steep = protocol.series(replace(curve, s=0.1))
-    assert steep.deviation < found.deviation
-    assert protocol.series(replace(curve, s=200.0)).share < found.share
 
 
-def test_one_series_by_hand():
-    """Sure outcomes: steps of 30 m/s until the outcome changes, of 15 m/s after it; three and three within 40 m/s."""
-
-    class Sure:
-        V50 = 200.0
-
-        def probability(self, velocity):
-            return float(velocity > 200.0)
-
-    class Draws:
-        def uniform(self, low, high):
-            return high
-
-        def random(self):
-            return 0.5
-
-    # 230 P, 200 S, 215 P, 200 S, 215 P, 200 S: stops 200 x 3, perforations 215, 215, 230
-    assert protocol.one_series(Sure(), Draws()) == (
-        pytest.approx((3 * 200 + 215 + 215 + 230) / 6),
-        6,
-    )
 
 
 def test_the_ends_of_a_lay_up_are_those_of_each_of_its_fabrics(fabric):
@@ -356,44 +229,10 @@ BEETLES = {  # dose, number, dead: C. I. Bliss, The calculation of the dosage-mo
 }
 
 
-def test_the_probit_of_bliss():
-    """V50 and s of 481 outcomes, as a generalised linear model finds them in public."""
-    V = np.concatenate([np.full(number, 100 * dose) for dose, (number, _) in BEETLES.items()])
-    hit = np.concatenate([np.arange(number) < dead for number, dead in BEETLES.values()])
-    found = probit.fit(V, hit)
-    assert (found.V50, found.s) == pytest.approx((177.0852, 5.069), abs=1e-3)
 
 
-def test_outcomes_that_do_not_mix_have_an_interval_once_shots_are_enough():
-    V = np.arange(90.0, 120.0, 2.5)
-    more = probit.fit(V, V > 101)
-    low, high = more.intervals["V50"]
-    assert V[0] < low < 97.5
-    assert 102.5 < high < V[-1]
-    assert more.intervals["s"][0] == 0
-    assert more.span() == f"{low:.1f} to {high:.1f} m/s"
 
 
-@pytest.mark.parametrize("link", probit.LINKS)
-def test_the_penalty_is_half_the_logarithm_of_the_determinant_of_the_information(link):
-    """I of b0 and b1 by its definition; differences of two curves, as a constant is left out."""
-    V = np.array([91.0, 97.0, 104.0, 112.0])
-    law = probit.LINKS[link]
-    likelihood = {p: probit._Likelihood(V, V > 100, link, penalised=p) for p in (True, False)}
-
-    def ours(at, beta):
-        return likelihood[True](at, beta) - likelihood[False](at, beta)
-
-    def slow(at, beta):
-        eta = beta * (V - at)
-        w = law.pdf(eta) ** 2 / (law.cdf(eta) * law.sf(eta))
-        return 0.5 * np.log(np.linalg.det(np.array([w, w * V, w * V**2])[[[0, 1], [1, 2]]].sum(-1)))
-
-    assert ours(98.0, 0.3) - ours(103.0, 0.1) == pytest.approx(
-        slow(98.0, 0.3) - slow(103.0, 0.1), rel=1e-9
-    )
-    # where the weights of all but one shot are less than any number
-    assert np.isfinite(ours(92.0, 50.0))
 
 
 def series_of(shots, s, random):
@@ -410,33 +249,8 @@ def series_of(shots, s, random):
     return velocities, hit
 
 
-@pytest.mark.slow(9)
-def test_intervals_of_forty_drawn_series_hold_v50():
-    """Of the 95 % intervals of 40 series 34 or more hold the true V50: fewer have a chance of 1 % if the intervals
-    are right. The likelihood by itself holds it in fewer."""
-    random = np.random.default_rng(5)
-    held = without = 0
-    fall = 0.5 * chi2.ppf(0.95, 1)
-    for number in range(40):
-        V, hit = series_of(24, (10.0, 25.0)[number % 2], random)
-        curve = probit.fit(V, hit)
-        low, high = curve.intervals["V50"]
-        held += low <= 500 <= high
-        assert low <= curve.V50 <= high
-        assert curve.by_prior != probit.bounds_V50(V, hit, curve.V50)
-        without += probit.fallen(V, hit, 500.0) <= fall
-    assert held >= 34
-    assert without < held
 
 
-def test_the_band_of_a_curve_is_the_intervals_of_its_named_velocities():
-    """Of shots that bound V50 on their own: V0, V50 and V100 are shares of 1, 50 and 99 %."""
-    V, hit = series_of(24, 25.0, np.random.default_rng(3))
-    curve = probit.fit(V, hit)
-    assert not curve.by_prior
-    found = probit.band(V, hit, curve, probit.NAMED.values())
-    wanted = [curve.intervals[name] for name in probit.NAMED]
-    assert found == pytest.approx(np.array(wanted), abs=1e-3)
 
 
 # drawn outcomes, velocity [m/s] and P or C, with V50 and s of a generalised linear model (statsmodels)
@@ -462,9 +276,3 @@ SETS = (
 )
 
 
-@pytest.mark.parametrize("outcomes, V50, s", SETS)
-def test_drawn_sets_have_the_answers_of_a_linear_model(outcomes, V50, s):
-    velocities = [float(outcome[:-1]) for outcome in outcomes.split()]
-    hit = [outcome.endswith("C") for outcome in outcomes.split()]
-    found = probit.fit(velocities, hit)
-    assert (found.V50, found.s) == pytest.approx((V50, s), abs=2e-3)

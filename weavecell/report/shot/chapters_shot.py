@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from shellfabric.loop.histories import Histories
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
+    from weavecell.runs.passing import Passing
     from weavecell.studies.assumed_range import AssumedRange
-    from weavecell.studies.passing import Passing
 
 # stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
@@ -558,7 +558,7 @@ def describe_draws(found: Passing) -> Section:
             shot.outcome,
             f"{shot.residual:.1f}" if shot.perforated else "",
             display.text(shot.deflection, "m", form=".3g").removesuffix(" mm"),
-            *(f"{shot.frictions[FRICTIONS[name].column]:.3f}" for name in found.unknown),
+            *(f"{shot.drawn[FRICTIONS[name].column]:.3f}" for name in found.unknown),
             " ".join(f"{1e3 * x:.2f}" for x in shot.impact_point),
             shot.checks,
         )

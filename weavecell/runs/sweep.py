@@ -6,14 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from fabrics.base.errors import UndecidedError, UnstableError, WeavecellError
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane import quality
-from shellfabric.membrane.indicator import OK, status
-from weavecell.studies import inputs, pack_limit, v50
+from shellfabric.membrane.indicator import OK
+from weavecell.runs import v50
+from weavecell.studies import inputs, pack_limit, shot_row
 from weavecell.studies import limit as limits
 from weavecell.studies.ballistic_limit import Limit
 from weavecell.studies.limit_scan import ScanRange
@@ -59,7 +58,7 @@ def row(
             names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
             return {
                 "outcome": "not determined: all outcomes are alike"
-                if study.answer is None
+                if study.posterior is None
                 else "fitted",
                 **study.summary(),
                 "checks": f"doubtful: {names}" if names else OK,
@@ -74,37 +73,7 @@ def row(
 
 def shot(setup: ImpactSetup) -> dict[str, Any]:
     """Compute the row of one shot."""
-    return row_of(*run_impact_or_partial(setup))
-
-
-def row_of(result: Any, problem: str = "") -> dict[str, Any]:
-    """Return outcome, velocity, energy, deflection, tensions and checks of a shot.
-
-    Parameters
-    ----------
-    result : ImpactResult, or an ImpactRecord, which has the tensions of each ply
-    problem : why it became unstable, or ""
-    """
-    warp, weft = np.reshape(result.peak_tension, (-1, 2)).max(axis=0)
-    return {
-        "outcome": "unstable" if problem else result.outcome,
-        "residual_velocity_m_s": float(result.residual_velocity),
-        "absorbed_energy_J": result.absorbed_energy,
-        "max_deflection_m": float(result.max_deflection),
-        "peak_tension_warp_N": float(warp),
-        "peak_tension_weft_N": float(weft),
-        "cut_yarns": float(result.cut_yarns[-1]),
-        "energy_error_max": float(result.energy_error_max),
-        "checks": _with_reasons(result.checks),
-        **_say_widened(result.widened),
-    }
-
-
-def _say_widened(text):
-    """Return the entry of a row of which something was run again with all yarns resolved; none of others."""
-    if not text:
-        return {}
-    return {"widened": text}
+    return shot_row.row_of(*run_impact_or_partial(setup))
 
 
 def critical_velocity(setup: ImpactSetup, tolerance: float | None = None) -> dict[str, Any]:
@@ -142,8 +111,8 @@ def row_of_limit(limit: Limit, found: PackV50 | None) -> dict[str, Any]:
         "upper_m_s": found.high,
         "spread_m_s": found.spread,
         "shots": len(limit.shots),
-        "checks": _with_reasons(quality.worst(shot.checks for shot in limit.shots)),
-        **_say_widened(limit.widened),
+        "checks": shot_row.with_reasons(quality.worst(shot.checks for shot in limit.shots)),
+        **shot_row.say_widened(limit.widened),
     }
 
 
@@ -156,16 +125,6 @@ def _bracketed(limit):
         "lower_m_s": float(low),
         "upper_m_s": float(high),
         "shots": len(limit.shots),
-        "checks": _with_reasons(quality.worst(shot.checks for shot in limit.ends)),
-        **_say_widened(limit.widened),
+        "checks": shot_row.with_reasons(quality.worst(shot.checks for shot in limit.ends)),
+        **shot_row.say_widened(limit.widened),
     }
-
-
-def _with_reasons(indicators):
-    """ "ok", or "doubtful: ..." or "noted: ..." with every indicator of that status, its value and
-    its limit."""
-    worst = status(indicators)
-    reasons = "; ".join(str(indicator) for indicator in indicators if indicator.status == worst)
-    if worst == OK:
-        return worst
-    return f"{worst}: {reasons}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,12 +11,13 @@ from typing import Any
 import numpy as np
 from scipy.special import betaincinv
 
-from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
-from weavecell.results.finding import DEPENDS
-from weavecell.studies import drawn, strengths, v50
-from weavecell.studies.drawn import Span
+from weavecell.runs import table
+from weavecell.runs.go_no_go import LEVELS
+from weavecell.runs.outcomes import DEPENDS
+from weavecell.runs.span import CONFIDENCE, Span
+from weavecell.runs.table import Shot
 from weavecell.studies.inputs import Scatter
 from weavecell.studies.unknown import find_unknown
 
@@ -27,13 +29,13 @@ class Passing:
     Parameters
     ----------
     velocity : [m/s]
-    shots : tuple of `v50.Shot` that have an outcome
+    shots : tuple of Shot that have an outcome
     unknown : {what is assumed: (low, high)} of the frictions that were drawn
     failures : why others have none
     """
 
     velocity: float
-    shots: tuple[v50.Shot, ...]
+    shots: tuple[Shot, ...]
     unknown: dict[str, tuple[float, float]]
     failures: tuple[str, ...] = ()
 
@@ -41,14 +43,14 @@ class Passing:
     def share(self) -> Span:
         """[-] of shots that perforate, with its interval by Jeffreys' prior."""
         hits, count = sum(shot.perforated for shot in self.shots), len(self.shots)
-        part = 0.5 * (1 - drawn.CONFIDENCE)
+        part = 0.5 * (1 - CONFIDENCE)
         ends = betaincinv(hits + 0.5, count - hits + 0.5, (part, 1 - part))
         return Span(hits / count, *map(float, ends))
 
     def quantiles(self, name: str) -> tuple[float, ...]:
-        """Return `drawn.LEVELS` of a field of the shots, "residual" [m/s] or "deflection" [m]."""
+        """Return LEVELS of a field of the shots, "residual" [m/s] or "deflection" [m]."""
         return tuple(
-            map(float, np.quantile([getattr(shot, name) for shot in self.shots], drawn.LEVELS))
+            map(float, np.quantile([getattr(shot, name) for shot in self.shots], LEVELS))
         )
 
     @property
@@ -60,12 +62,7 @@ class Passing:
     @property
     def doubts(self) -> tuple[str, ...]:
         """How many shots have which checks beyond their limits, or no outcome."""
-        found = Counter(name for shot in self.shots for name in shot.doubtful)
-        count = counted(len(self.shots), "drawn shot")
-        parts = [f"{name} in {times} of {count}" for name, times in found.most_common()]
-        if self.failures:
-            parts.append(f"{counted(len(self.failures), 'drawn shot')} without an outcome")
-        return tuple(parts)
+        return count_doubts(self.shots, self.failures)
 
     def words(self) -> str:
         """Write share, residual velocities and deflections in one line."""
@@ -108,15 +105,22 @@ def fire_draws(
     setup : ImpactSetup of resolved yarns
     runs : as of `run_cache.results`
     """
-    strengths.check(setup, scatter)
-    fired_at = v50.as_fired(setup)
-    arguments = [
-        (fired_at, scatter, seed, number, setup.strike_velocity) for number in range(draws)
-    ]
-    fired = run_cache.results(v50.fire, arguments, **runs)
-    counted_shots = tuple(shot for shot in fired if not shot.failure)
+    rows = table.draw(setup, draws, seed=seed, scatter=scatter)
+    fired = table.run(rows, **runs)
+    shots = tuple(shot for shot in fired if not shot.failure)
     failures = tuple(shot.failure for shot in fired if shot.failure)
-    return Passing(setup.strike_velocity, counted_shots, find_unknown(setup), failures)
+    return Passing(setup.strike_velocity, shots, find_unknown(setup), failures)
+
+
+def count_doubts(shots: Sequence[Shot], failures: Sequence[str] = ()) -> tuple[str, ...]:
+    """Say of how many shots which checks are beyond their limits, and how many have no outcome."""
+    found = Counter(name for shot in shots for name in shot.doubtful)
+    count = counted(len(shots), "drawn shot")
+    parts = [f"{name} in {times} of {count}" for name, times in found.most_common()]
+    lost = len(failures) + sum(bool(shot.failure) for shot in shots)
+    if lost:
+        parts.append(f"{counted(lost, 'drawn shot')} without an outcome")
+    return tuple(parts)
 
 
 def _say_span(values):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from math import isinf, nan, sqrt
+from math import nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,10 +19,12 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.units import refused
 from shellfabric.membrane.indicator import status
-from weavecell.studies import lambert_jonas, probit, protocol
+from weavecell.runs import go_no_go
+from weavecell.runs.go_no_go import LimitPosterior, Outcomes
+from weavecell.runs.span import Span
+from weavecell.studies import lambert_jonas, protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.lambert_jonas import LambertJonas
-from weavecell.studies.probit import Curve
 from weavecell.studies.protocol import SixShots
 
 if TYPE_CHECKING:
@@ -34,9 +36,7 @@ OUTCOME = "outcome"
 RESIDUAL = "residual velocity"
 OUTCOMES = dict.fromkeys(("pp", "partial", "partial penetration", "stopped"), "stopped")
 OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", "perforated"), "perforated")
-CONFIDENCE = 0.95
-# shares of perforations whose velocities are reported beside V50
-SHARES = {"V0": probit.LOW, "V10": 0.1, "V90": 0.9}
+CONFIDENCE = 0.95  # of what is computed less what was tested
 # tests that come again one after the other are a list that was pasted, not chance
 FEWEST_PASTED = 3
 # [m/s] a faster shot in a table of tests is a slip of the unit
@@ -117,13 +117,13 @@ class ReducedTests:
     Parameters
     ----------
     table : DataFrame, a row a test: velocity, outcome and residual velocity
-    curve : probability of perforation fitted to the tests
+    posterior : LimitPosterior of the tests; None where outcomes are all alike
     six_shots : V50 of six of the tests
     lambert_jonas : fit to the residual velocities
     """
 
     table: DataFrame
-    curve: Curve
+    posterior: LimitPosterior | None
     six_shots: SixShots
     lambert_jonas: LambertJonas
 
@@ -131,16 +131,18 @@ class ReducedTests:
         """Return all of it as plain numbers, keys with their units."""
         return {
             "tests": len(self.table),
-            "confidence": CONFIDENCE,
-            "tested_v50_m_s": self.curve.V50,
-            "tested_v50_interval_m_s": list(self.curve.intervals["V50"]),
-            "tested_v50_reason": self.curve.reason,
-            "tested_v50_by_prior": self.curve.by_prior,
-            "tested_v50_more_shots": self.curve.more_shots,
-            **self._spread_summary(),
+            "confidence": go_no_go.CONFIDENCE,
+            **self._velocities_summary(),
             **{f"tested_{name}": value for name, value in self.six_shots.summary().items()},
             "lambert_jonas_tested": asdict(self.lambert_jonas),
         }
+
+    @property
+    def v50(self) -> float:
+        """[m/s] that half of the shots pass; NaN where outcomes are all alike."""
+        if self.posterior is None:
+            return nan
+        return self.posterior.velocities["V50"].value
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -148,44 +150,27 @@ class ReducedTests:
         rows = [tuple(row) for row in self.table.fillna(-1.0).itertuples(index=False)]
         return tuple(filter(None, [self.six_shots.doubt, doubt_repeats(rows)]))
 
-    def spread(self) -> dict[str, tuple[float, float, float]]:
-        """Return {"s" and the names of SHARES: (value, low, high) [m/s]} of the curve; NaN where
-        there is none."""
-        curve = self.curve
-        if curve.reason:
-            return dict.fromkeys(("s", *SHARES), (nan, nan, nan))
-        found = {"s": (curve.s, *curve.intervals["s"])}
-        perforated = self.table["tested"] == "perforated"
-        shares = SHARES.values()
-        ends = probit.band(self.table["strike_velocity_m_s"], perforated, curve, shares)
-        for (name, share), (low, high) in zip(SHARES.items(), ends.tolist()):
-            value = max(float(curve.velocity(share)), 0.0)
-            found[name] = (value, min(low, value), max(high, value))
-        return found
-
-    def _spread_summary(self):
-        numbers = {}
-        for name, (value, low, high) in self.spread().items():
-            numbers[f"tested_{name.lower()}_m_s"] = value
-            numbers[f"tested_{name.lower()}_interval_m_s"] = [low, high]
+    def _velocities_summary(self):
+        names = [f"V{100 * level:.0f}" for level in go_no_go.LEVELS]
+        spans = dict.fromkeys(names, Span(nan, nan, nan))
+        if self.posterior is not None:
+            spans = self.posterior.velocities
+        numbers: dict[str, Any] = {}
+        for name, span in spans.items():
+            numbers[f"tested_{name.lower()}_m_s"] = span.value
+            numbers[f"tested_{name.lower()}_interval_m_s"] = [span.low, span.high]
         return numbers
 
-    def _spread_words(self):
-        """s, V0, V10 and V90 with their intervals, for the terminal."""
-        if self.curve.reason or self.curve.separated:
-            return []
-        parts = []
-        for name, (value, low, high) in self.spread().items():
-            span = f"at least {low:.4g}" if isinf(high) else f"{low:.4g} to {high:.4g}"
-            parts.append(f"{name} {value:.4g} ({span}) m/s")
-        share = f"V0 is where {100 * probit.LOW:g} % perforate"
-        return [f"tests ({self.curve.link}): {', '.join(parts)}; {share}"]
+    def words(self) -> str:
+        """Write V50, V10 and V90 with their intervals, or why there are none."""
+        if self.posterior is None:
+            return f"V50 not determined: all {counted(len(self.table), 'shot')} end alike"
+        return self.posterior.words()
 
     def lines(self, file: str) -> list[str]:
         """Write the lines that are printed of the tests in a file."""
         return [
-            f"tests, {file}: {self.curve.words()}",
-            *self._spread_words(),
+            f"tests, {file}: {self.words()}",
             f"tests: {self.six_shots.words()}",
             f"tests, Lambert-Jonas: {self.lambert_jonas.words()}",
         ]
@@ -211,9 +196,12 @@ def reduce(tests: DataFrame) -> ReducedTests:
     )
     velocities = table["strike_velocity_m_s"]
     perforated = table["tested"] == "perforated"
-    curve = probit.fit(velocities, perforated, confidence=CONFIDENCE)
+    outcomes = Outcomes.of_tests(velocities, perforated)
+    posterior = None
+    if outcomes.mixed:
+        posterior = go_no_go.fit(outcomes, float(velocities.median()))
     six_shots = protocol.six_shots(velocities, perforated)
-    return ReducedTests(table, curve, six_shots, _fit(table, "tested", None))
+    return ReducedTests(table, posterior, six_shots, _fit(table, "tested", None))
 
 
 @dataclass(frozen=True)
@@ -278,7 +266,7 @@ class Comparison:
             "outcomes_that_agree": self.agree,
             "critical_velocity_m_s": limit.velocity,
             "bracket_m_s": [limit.low, limit.high],
-            "critical_velocity_over_v50": limit.velocity / self.tests.curve.V50,
+            "critical_velocity_over_v50": limit.velocity / self.tests.v50,
             "residual_velocity_mean_m_s": off["mean"],
             "residual_velocity_low_m_s": off["low"],
             "residual_velocity_high_m_s": off["high"],

@@ -1,0 +1,3 @@
+"""Outcomes of several shots."""
+
+DEPENDS = "depends"  # of shots whose outcomes differ

@@ -1,0 +1,186 @@
+"""A ballistic limit that is a probability: shots at panels of which all that nobody gave is drawn.
+
+Each panel or pack is drawn anew (`strengths`): strengths of its yarns, place and roll, and each friction
+that nobody gave. The answer is the plane of `go_no_go`, which knows place and frictions of each shot.
+
+Shots are fired in rounds of a given size, whose velocities follow from the outcomes of all rounds before:
+nothing depends on the number of workers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from fabrics.base.errors import InputError
+from fabrics.base.executors import open_executor
+from shellfabric.impact.setup import ImpactSetup
+from weavecell.runs import go_no_go, table
+from weavecell.runs.go_no_go import LimitPosterior, Outcomes
+from weavecell.runs.span import CONFIDENCE
+from weavecell.runs.table import Draw, Row, Shot
+from weavecell.studies import ballistic_limit, lambert_jonas, protocol, strengths
+from weavecell.studies.inputs import Scatter
+from weavecell.studies.lambert_jonas import LambertJonas
+from weavecell.studies.protocol import SixShots
+from weavecell.studies.unknown import find_unknown
+
+# shots of a round, and the fewest of a study. Of 16 in rounds of 4 V50 is off by 3.4 m/s, of 2 by 2.5, one by
+# one by 2.3
+BATCH = 2
+LEAST = 4
+POPULATION = 128  # panels of which V10, V50 and V90 are those of the plane
+
+
+@dataclass(frozen=True)
+class Study:
+    """Shots, and what they tell of the limit over all that is drawn.
+
+    Parameters
+    ----------
+    shots : tuple of Shot, by number, that have an outcome
+    posterior : LimitPosterior; None where outcomes are all alike
+    scatter : Scatter
+    unknown : {what is assumed: (low, high)} of the frictions that were drawn
+    failures : why other shots have none: they became unstable, or neither stopped nor perforated
+    """
+
+    shots: tuple[Shot, ...]
+    posterior: LimitPosterior | None
+    scatter: Scatter
+    unknown: dict[str, tuple[float, float]] = field(default_factory=dict)
+    failures: tuple[str, ...] = ()
+
+    @cached_property
+    def lambert_jonas(self) -> LambertJonas:
+        """Lambert-Jonas fit to the residual velocities."""
+        strikes = [shot.velocity for shot in self.shots]
+        # one that is taken as stopped may have a little of its velocity left
+        residuals = [shot.residual if shot.perforated else 0.0 for shot in self.shots]
+        return lambert_jonas.fit(strikes, residuals)
+
+    @property
+    def six_shots(self) -> SixShots:
+        """V50 of six of the shots."""
+        fired = [(shot.velocity, shot.perforated) for shot in self.shots]
+        return protocol.six_shots(*zip(*fired))
+
+    @property
+    def doubtful(self) -> int:
+        """Number of shots with a quality check beyond its limit."""
+        return sum(bool(shot.doubtful) for shot in self.shots)
+
+    @property
+    def widened(self) -> str:
+        """How many shots were fired again with all yarns resolved, in words; "" if none was."""
+        return ballistic_limit.count_widened([shot.widened for shot in self.shots])
+
+    def summary(self) -> dict[str, Any]:
+        """Return its numbers, {name with unit: value}."""
+        widened = {"widened": self.widened} if self.widened else {}
+        found: dict[str, Any] = {"v10_m_s": None, "v50_m_s": None, "v90_m_s": None}
+        if self.posterior is not None:
+            cloths = self.posterior.cloths()
+            for name, span in (*self.posterior.velocities.items(), ("v50_of_cloth", cloths)):
+                found[f"{name.lower()}_m_s"] = span.value
+                found[f"{name.lower()}_low_m_s"] = span.low
+                found[f"{name.lower()}_high_m_s"] = span.high
+            found["shares"] = {name: share.value for name, share in self.posterior.shares.items()}
+        return {
+            **found,
+            **self.six_shots.summary(),
+            "confidence": CONFIDENCE,
+            "shots": len(self.shots),
+            "perforated": sum(shot.perforated for shot in self.shots),
+            "doubtful": self.doubtful,
+            "without_outcome": len(self.failures),
+            "energy_error_max": max((shot.balance for shot in self.shots), default=nan),
+            "cpu_time_s": float(sum(shot.cpu_time for shot in self.shots)),
+            **widened,
+        }
+
+
+def study(
+    setup: ImpactSetup,
+    scatter: Scatter,
+    *,
+    shots: int,
+    batch: int = BATCH,
+    seed: int = 1,
+    within: float = 0.0,
+    stride: int | None = None,
+    report: Callable[[int, int], object] = lambda done, total: None,
+    **runs: Any,
+) -> Study:
+    """Fire shots, in rounds of `batch`, and fit the plane of limits.
+
+    Parameters
+    ----------
+    setup : ImpactSetup of any strike velocity; what it records is not used
+    scatter : Scatter
+    shots : how many, at most
+    batch : shots of a round
+    seed : of all that is drawn
+    within : [-] half width of the interval of V50, over V50, at which no more shots are fired; 0 fires all
+    stride : as in `strengths.draw_panel`, of studies whose panels are drawn alike
+    report, runs : as in `run_cache.results`, with the folder of the shots
+
+    Raises
+    ------
+    InputError : as `strengths.draw_panel` before the first shot, or too few shots
+    """
+    for key, value, least in (("shots", shots, LEAST), ("batch", batch, 1)):
+        if value < least:
+            raise InputError(key=key, value=value, allowed=f"at least {least}")
+    # refused before the first shot
+    strengths.check(setup, scatter)
+    fired_at = table.as_fired(setup)
+    guess = ballistic_limit.first_guess(fired_at.target(fired_at.table(kept=True)))
+    known = [
+        strengths.draw_known(fired_at, seed, number) for number in range(max(shots, POPULATION))
+    ]
+    names = tuple(known[0])
+    values = np.array([[*one.values()] for one in known]).reshape(len(known), len(names))
+    fired: list[Shot] = []
+    posterior = None
+    with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
+        # one pool serves all rounds: starting workers takes longer than many a shot
+        runs["executor"] = pool
+        while (begun := len(fired)) < shots:
+            numbers = range(begun, min(begun + batch, shots))
+            outcomes = _list_outcomes(names, values, fired)
+            coarse = go_no_go.fit(outcomes, guess, draws=go_no_go.COARSE)
+            velocities = go_no_go.place(coarse, values[numbers])
+            rows = [
+                Row(fired_at, round(float(velocity), 2), Draw(scatter, seed, number, stride))
+                for number, velocity in zip(numbers, velocities)
+            ]
+            tell = partial(lambda begun, done, _: report(begun + done, shots), begun)
+            fired += table.run(rows, report=tell, **runs)
+            outcomes = _list_outcomes(names, values, fired)
+            last = len(fired) == shots
+            if outcomes.mixed and (within or last) and len(fired) >= min(LEAST, shots):
+                posterior = go_no_go.fit(outcomes, guess, values[:POPULATION])
+                span = posterior.velocities["V50"]
+                if span.half <= within * span.value:
+                    report(shots, shots)
+                    break
+    counted = tuple(shot for shot in fired if not shot.failure)
+    failures = tuple(shot.failure for shot in fired if shot.failure)
+    return Study(counted, posterior, scatter, find_unknown(setup), failures)
+
+
+def _list_outcomes(names, values, fired):
+    """The Outcomes of the shots that have one."""
+    counted = [shot for shot in fired if not shot.failure]
+    return Outcomes(
+        names,
+        values[[shot.number for shot in counted]].reshape(len(counted), len(names)),
+        np.array([shot.velocity for shot in counted]),
+        np.array([shot.perforated for shot in counted], bool),
+    )
