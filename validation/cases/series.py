@@ -6,100 +6,103 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
 from fabrics.base.checks import FloatArray
 from validation.values import Values
-from weavecell.studies import lambert_jonas, probit, v50
+from weavecell.runs import go_no_go, v50
+from weavecell.runs.go_no_go import Outcomes
+from weavecell.studies import lambert_jonas
 from weavecell.studies.bracket import Bracket
 from weavecell.studies.limit import RESIDUAL_SHOTS
 
 V50 = 500.0  # [m/s]
 TOLERANCE = 1.0  # [m/s] of the brackets of `curve_coverage`
-CONFIDENCE = 0.95
 SEED = 11
 
 
-def coverage(*, protocol: str, share: float, shots: Sequence[int], series: int) -> Values:
-    """Count the series whose 95 % interval holds V50.
+def coverage(
+    *, protocol: str, scatter: float, slopes: float, shots: Sequence[int], series: int
+) -> Values:
+    """Count the series whose 90 % intervals hold V10, V50 and V90.
 
     Parameters
     ----------
     protocol : a name of PROTOCOLS
-    share : [-] s over V50; panels fail at normal velocities
+    scatter : [-] of limits of panels of which the same is known, normal, over V50
+    slopes : [-] by which each of two knowns moves the limit over its whole range, over V50
     shots : numbers of shots of a series
     series : of each number
 
     Returns
     -------
-    dict with held, and without, by the likelihood alone, both [%]; and half, the median half width of
-    the interval over s; by number of shots
+    dict with held, [%] of the three, least first; and off, rms error of V50, and half, median half width of
+    its interval, [%] of V50; by number of shots
     """
-    held = []
-    without = []
-    half = []
+    population = np.random.default_rng(SEED).uniform(-0.5, 0.5, (64, 2))
+    limits = _limits(*_draw(np.random.default_rng(SEED), 100_000), scatter, slopes)
+    true = np.quantile(limits, go_no_go.LEVELS)
+    held, off, half = [], [], []
     for count in shots:
         random = np.random.default_rng([SEED, count])
         found = []
         for _ in range(series):
-            failing = V50 * (1 + share * random.standard_normal(count))
-            found.append(_inside(*PROTOCOLS[protocol](failing, random)))
-        inside, plain, widths = np.array(found).T
-        held.append(100 * inside.mean())
-        without.append(100 * plain.mean())
-        half.append(0.5 * float(np.nanmedian(widths)) / (share * V50))
-    return {"held": held, "without": without, "half": half}
+            known, rest = _draw(random, count)
+            fired = PROTOCOLS[protocol](known, _limits(known, rest, scatter, slopes), random)
+            guess = float(np.median(fired.velocity))
+            found.append([*go_no_go.fit(fired, guess, population).velocities.values()])
+        low, high = (np.array([[span[end] for span in row] for row in found]) for end in (1, 2))
+        held.append(100 * float(np.mean((low <= true) & (true <= high), axis=0).min()))
+        middle = np.array([row[1].value for row in found])
+        off.append(100 * float(np.sqrt(np.mean((middle / true[1] - 1) ** 2))))
+        half.append(100 * float(np.median([row[1].half for row in found])) / true[1])
+    return {"held": held, "off": off, "half": half}
 
 
-def _inside(velocity, perforated):
-    """(whether V50 is in the interval of `probit.fit`, whether in that of the likelihood alone, width [m/s] of the
-    first); shots that determine no curve exclude nothing, and have no width."""
-    V = np.array(velocity)
-    hit = np.array(perforated)
-    near = probit.locate(V, hit)
-    if np.isnan(near):
-        return True, True, np.nan
-    fall = 0.5 * chi2.ppf(CONFIDENCE, 1)
-    without = probit.fallen(V, hit, V50) <= fall
-    low, high = probit.posterior_of(V, hit, near).interval(0.0, CONFIDENCE)
-    return low <= V50 <= high, without, high - low
+def _draw(random, count):
+    """(what is known of panels (count, 2), about 0; their rest (count,), normal)."""
+    return random.uniform(-0.5, 0.5, (count, 2)), random.standard_normal(count)
 
 
-def rounds(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
-    """Place shots as `v50` does, about a limit without scatter 2 % below to 10 % above V50."""
-    limit = V50 * random.uniform(0.98, 1.1)
-    velocities: list[float] = []
-    hit: list[bool] = []
-    while len(velocities) < failing.size:
-        count = min(v50.usual_batch(failing.size), failing.size - len(velocities))
-        placed = limit * np.linspace(1 - v50.FIRST, 1 + v50.FIRST, count)
-        if velocities:
-            placed = v50.plan(velocities, hit, count, True)
-        hit += [bool(v > failing[len(velocities) + k]) for k, v in enumerate(placed)]
-        velocities += placed.tolist()
-    return velocities, hit
+def _limits(known, rest, scatter, slopes):
+    """Limits [m/s] of panels."""
+    return V50 * (1 + slopes * known.sum(axis=1) + scatter * rest)
 
 
-def up_and_down(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
-    """Place each shot 30 m/s below a perforation and above a stop, 15 m/s once there were both."""
+def rounds(known: FloatArray, limits: FloatArray, random: np.random.Generator) -> Outcomes:
+    """Place shots as `v50` does, from a guess 30 % low to 50 % high."""
+    guess = V50 * float(np.exp(random.uniform(np.log(0.7), np.log(1.5))))
+    names = ("friction between yarns", "friction on the nose")
+    fired = Outcomes(names, known[:0], np.zeros(0), np.zeros(0, bool))
+    for begun in range(0, limits.size, v50.BATCH):
+        coarse = go_no_go.fit(fired, guess, draws=go_no_go.COARSE)
+        placed = go_no_go.place(coarse, known[begun : begun + v50.BATCH])
+        velocity = np.append(fired.velocity, placed)
+        until = slice(0, velocity.size)
+        fired = Outcomes(names, known[until], velocity, velocity > limits[until])
+    return fired
+
+
+def up_and_down(known: FloatArray, limits: FloatArray, random: np.random.Generator) -> Outcomes:
+    """Place each test 30 m/s below a perforation and above a stop, 15 m/s once there were both; nothing is
+    known of the panels."""
     velocity = V50 + random.uniform(-30, 30)
     velocities: list[float] = []
     hit: list[bool] = []
-    for limit in failing:
+    for limit in limits:
         velocities.append(velocity + random.normal(0, 2.5))  # no gun meets its velocity
         hit.append(bool(velocities[-1] > limit))
         step = 15 if len(set(hit)) == 2 else 30
         velocity = velocities[-1] + (-step if hit[-1] else step)
-    return velocities, hit
+    return Outcomes.of_tests(velocities, hit)
 
 
-def langlie(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
-    """Place shots by Langlie (1962): half way to the last shot since which both outcomes came equally often, or to
-    the end of the range."""
+def langlie(known: FloatArray, limits: FloatArray, random: np.random.Generator) -> Outcomes:
+    """Place tests by Langlie (1962): half way to the last shot since which both outcomes came equally often, or
+    to the end of the range; nothing is known of the panels."""
     low, high = V50 * random.uniform((0.75, 1.1), (0.9, 1.25))
     velocities: list[float] = []
     hit: list[bool] = []
-    for limit in failing:
+    for limit in limits:
         at = 0.5 * (low + high)
         if hit:
             signs = np.cumsum([1 if one else -1 for one in reversed(hit)])
@@ -109,7 +112,7 @@ def langlie(failing: FloatArray, random: np.random.Generator) -> tuple[list, lis
             at = 0.5 * (velocities[-1] + other)
         velocities.append(float(at))
         hit.append(bool(at > limit))
-    return velocities, hit
+    return Outcomes.of_tests(velocities, hit)
 
 
 PROTOCOLS = {"rounds, as v50": rounds, "up and down": up_and_down, "Langlie": langlie}

@@ -159,9 +159,7 @@ class RunsPlan(Plan["RunsResult"]):
 
 
 @command(RunsPlan)
-def run(
-    table: RunTable, *, check: bool = False, **options: Unpack[ResumableKeywords]
-) -> RunsPlan:
+def run(table: RunTable, *, check: bool = False, **options: Unpack[ResumableKeywords]) -> RunsPlan:
     """Fire the rows of a table that `draw` made.
 
     Parameters
@@ -252,7 +250,7 @@ class RunsResult(Result):
         folder = Path(out)
         files.write(folder / "shots.csv", self.to_csv())
         one_table.write_hdf5(self.shots, folder / "shots.h5", self.kind)
-        content = {"format": "weavecell runs 1", **self.summary()}
+        content = {"format": "weavecell runs 1", **self.summary(), "answer": self.answer.entry()}
         json_file.write(folder / "runs.json", content | {"provenance": provenance.stamp()})
 
     def lines(self) -> list[str]:

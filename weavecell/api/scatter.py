@@ -51,6 +51,7 @@ class V50Plan(Plan["V50Result"]):
     target : Target
     scatter : `weavecell.studies.inputs.Scatter`
     shots, batch, seed : number of shots, of those of a round, and of all random numbers
+    within : [-] half width of the interval of V50, over V50, at which it ends; 0 fires all shots
     """
 
     files = NAMES
@@ -60,6 +61,7 @@ class V50Plan(Plan["V50Result"]):
     shots: int
     batch: int
     seed: int
+    within: float = 0.0
 
     @property
     def inputs(self) -> Sequence[object]:
@@ -99,6 +101,7 @@ class V50Plan(Plan["V50Result"]):
             shots=self.shots,
             batch=self.batch,
             seed=self.seed,
+            within=self.within,
             report=report,
             **more,
             **running.cache,
@@ -111,8 +114,9 @@ class V50Plan(Plan["V50Result"]):
 def v50(
     target: Fabric | FilePath | ImpactSetup | None,
     *,
-    shots: int = 16,
+    shots: int | None = None,
     batch: int | None = None,
+    within: float | str | None = None,
     check: bool = False,
     weibull_shape: float | None = None,
     modulus_cov: float | str | None = None,
@@ -137,8 +141,9 @@ def v50(
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
-    shots : number of shots, at least 4
+    shots : number of shots, at least 4; if not given 16, or at most 64 with `within`
     batch : shots of a round; outcomes so far decide the velocities of the next round. If not given 2
+    within : fire no more shots once the interval of V50 is so narrow, half of it over V50, such as "5 %"
     check : run nothing and write nothing: forecast shots and CPU time
     weibull_shape : Weibull shape of the yarns' strength, inf for yarns of one strength; this and the
         next two are those of weavecell/studies/inputs.toml if they are not given
@@ -177,6 +182,11 @@ def v50(
     scatter = replace(
         inputs.read_scatter(), **{key: value for key, value in own.items() if value is not None}
     )
+    narrow = 0.0
+    if within is not None:
+        narrow = quantities.read_positive(within, "", "within")
+    if shots is None:
+        shots = analysis.MOST_WITHIN if narrow else analysis.USUAL
     shots = quantities.read_whole(shots, "shots", analysis.LEAST)
     if batch is None:
         batch = analysis.BATCH
@@ -188,7 +198,7 @@ def v50(
     panel = resolve_target(target, options, "v50", function="v50").resolved()
     with panel.name_problems():
         strengths.check(panel.setup, scatter)
-    return V50Plan(panel, scatter, **sizes)
+    return V50Plan(panel, scatter, **sizes, within=narrow)
 
 
 @explain_frozen
@@ -286,6 +296,7 @@ class V50Result(StudyResult):
     @property
     def answer(self) -> Answer:
         """The velocities that half, 1 in 10 and 9 in 10 shots pass, and what moves them."""
+        from weavecell.runs import v50
         from weavecell.studies import unknown
 
         found, shots = self.study.posterior, self.study.shots
@@ -294,10 +305,28 @@ class V50Result(StudyResult):
         subject = self._name_shot("V50")
         if found is None:
             return self._find_answer(subject, "not determined: all outcomes are alike", over=over)
+        sure = len(shots) >= v50.MANY
+        first = self._say_first()
+        settles = {name: unknown.ADVICE.get(name, "") for name in found.widths} | first
         moved = [
-            Mover(name, unknown.ADVICE.get(name, ""), width) for name, width in found.widths.items()
+            Mover(name, settles[name], width, sure) for name, width in found.widths.items()
         ]
-        return self._find_answer(subject, found.words(), moved, over=over)
+        return self._find_answer(subject, found.words(), moved, tuple(first.values()), over=over)
+
+    def _say_first(self):
+        """{what to measure first: how, and by how much it narrows the V50 of a cloth}; {} where nothing
+        would."""
+        from weavecell.runs import v50
+        from weavecell.studies import unknown
+
+        for name, (now, then) in self.study.narrowing.items():
+            if then > 0.9 * now or name not in unknown.ADVICE:
+                break
+            low, high = self.study.range_of(name)
+            known = f"to ± {0.5 * v50.KNOWN * (high - low):.2g}"
+            narrows = f"one cloth's V50 from ± {now:.2g} to ± {then:.2g} m/s"
+            return {name: f"{unknown.ADVICE[name]} {known}: {narrows}"}
+        return {}
 
     @property
     def draws_strengths(self) -> bool:

@@ -36,14 +36,16 @@ class Mover:
     what : in a few words
     settle : what to measure, give or run
     moved : [m/s] by which it alone moves the answer; None if that was not computed
+    sure : whether that number holds; else it tells the order alone
     """
 
     what: str
     settle: str = ""
     moved: float | None = None
+    sure: bool = True
 
     def __str__(self) -> str:
-        if self.moved is None:
+        if self.moved is None or not self.sure:
             return self.what
         return f"{self.what} {self.moved:.3g} m/s"
 

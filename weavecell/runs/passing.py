@@ -49,9 +49,7 @@ class Passing:
 
     def quantiles(self, name: str) -> tuple[float, ...]:
         """Return LEVELS of a field of the shots, "residual" [m/s] or "deflection" [m]."""
-        return tuple(
-            map(float, np.quantile([getattr(shot, name) for shot in self.shots], LEVELS))
-        )
+        return tuple(map(float, np.quantile([getattr(shot, name) for shot in self.shots], LEVELS)))
 
     @property
     def outcome(self) -> str:
