@@ -12,11 +12,11 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from scipy.stats import qmc
+from weavecell.api.intervals import plan_interval
 
 from shellfabric.impact.run import run_impact_or_partial
 from validation.cases import impact, noses
 from validation.values import Values
-from weavecell.api.intervals import plan_interval
 from weavecell.api.target import Target
 from weavecell.studies import (
     ballistic_limit,
@@ -30,8 +30,9 @@ from weavecell.studies import (
 )
 
 if TYPE_CHECKING:
-    from shellfabric.impact.setup import ImpactSetup
     from weavecell.studies.interval import Interval, Run
+
+    from shellfabric.impact.setup import ImpactSetup
 
 TOLERANCE = 4.0  # [m/s] of the limit without scatter that begins a V50
 SHORT = 5e-6  # [s] of the shots that load the kernels before the clock begins
