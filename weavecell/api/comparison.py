@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite, nan
+from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
@@ -95,16 +95,15 @@ class ComparisonPlan(Plan["ComparisonResult"]):
         return StudySize.add_up(self.title, ("A", "B"), [plan.forecast() for plan in self.plans])
 
     def run(self, running: Running) -> ComparisonResult:
-        """Fire at both, B from the limit of A on."""
+        """Fire at both."""
         stride = max(panel.setup.plies for panel in (self.a, self.b))
         with running.count(self.title) as part:
             found: list[V50Result] = []
             for number, plan in enumerate(self.plans):
-                guess = found[0].v50 if found and isfinite(found[0].v50) else None
                 # their problems name the file
                 with plan.target.name_problems():
                     report = part(number, 2)
-                    found.append(plan.fire(running, report, stride=stride, guess=guess))
+                    found.append(plan.fire(running, report, stride=stride))
         return running.save(ComparisonResult(*found))
 
 
@@ -211,7 +210,7 @@ def compare(
     >>> found.verdict
     'not decided'
     """
-    from weavecell.studies import inputs, strengths
+    from weavecell.studies import inputs, strengths, v50
 
     if isinstance(target, Result) or isinstance(other, Result):
         return _plan_computed(target, other, {"shots": shots, "seed": seed, **options})
@@ -219,7 +218,8 @@ def compare(
     panels = [panel.resolved() for panel in _resolve(target, other, options)]
     for panel in panels:
         with panel.name_problems():
-            strengths.check(panel.setup, inputs.read_scatter())
+            fired = v50.as_fired(panel.setup)
+            strengths.check_places(fired, inputs.read_scatter(), first, count)
     return ComparisonPlan(*panels, count, first)
 
 

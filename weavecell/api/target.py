@@ -90,14 +90,6 @@ class Target:
         return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
 
     @property
-    def is_pinned(self) -> bool:
-        """Whether its input file, or a keyword, asks for pinned yarns."""
-        if self.case is None:
-            return False
-        panel = self.case.scene.panel
-        return panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set
-
-    @property
     def is_placed(self) -> bool:
         """Whether its input says which point is struck."""
         from shellfabric.yarns.model import aim
@@ -119,19 +111,16 @@ class Target:
         from shellfabric.impact.run import check_impact
         from weavecell.studies import places
 
-        if (
-            self.is_pinned
-            or self.setup.projectile.body == "metal"
-            or self.setup.surface is not None
-        ):
+        given = self.setup
+        if given.pinned or given.projectile.body == "metal" or given.surface is not None:
             return self
-        setup = places.resolve(self.setup)
+        setup = places.resolve(given)
         try:
             # its table is taken from the cache folder, or is kept there for the run
             check_impact(setup, setup.table(kept=True))
         except InputError:
             # a mesh of its own, say, which pinned yarns alone read
-            return replace(self, setup=replace(self.setup, instead=None))
+            return replace(self, setup=replace(given, instead=None))
         return replace(self, setup=setup)
 
     def as_run(self, widened: str) -> Target:
