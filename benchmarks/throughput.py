@@ -25,7 +25,8 @@ import numpy as np
 from fabrics import catalogue, variants
 from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
-from weavecell.studies import ballistic_limit, inputs, strengths, v50
+from weavecell.runs import table
+from weavecell.studies import ballistic_limit, inputs, strengths
 
 FABRIC, OPENING, VELOCITIES = (
     "S-720",
@@ -64,8 +65,8 @@ def study(setup, scatter, shots, pool, jobs):
     """Wall time [s] of V50 shots beside each other, in processes that have fired some before."""
     for count in (4 * jobs, shots):
         start, velocities = time.perf_counter(), np.linspace(*VELOCITIES, count)
-        rows = [(setup, scatter, 2, k, float(V)) for k, V in enumerate(velocities)]
-        list(pool.map(v50.fire, *zip(*rows)))
+        rows = [(setup, float(V), table.Draw(scatter, 2, k)) for k, V in enumerate(velocities)]
+        list(pool.map(table.fire, *zip(*rows)))
     return time.perf_counter() - start
 
 
@@ -89,7 +90,7 @@ def main():
     with open_executor("local", chosen.jobs) as pool:
         for name, grading in MESHES.items():
             setup = ImpactSetup(fabric, 1.0, opening=OPENING, grading=grading)
-            v50.fire(setup, scatter, 1, 0, VELOCITIES[0])
+            table.fire(setup, VELOCITIES[0], table.Draw(scatter, 1, 0))
             report[name] = {"cpu_s": parts(fabric, scatter, min(chosen.shots, 6), grading)}
             for kind, wall in (
                 ("v50", study(setup, scatter, chosen.shots, pool, chosen.jobs)),

@@ -36,10 +36,11 @@ from shellfabric.cell.model import CellModel
 from shellfabric.coupon import quasistatic
 from shellfabric.impact.run import run_impact
 from unitcell3d.identify.calibrate import calibrate
+from weavecell.runs import v50
 from weavecell.scenes import build, impact
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.fabric_table import check_scene
-from weavecell.studies import ballistic_limit, inputs, pull_out, v50
+from weavecell.studies import ballistic_limit, inputs, pull_out
 
 FOLDER, EXAMPLES = (Path(__file__).parents[1] / name for name in ("tests/golden", "examples"))
 LONG = ("body-armour",)  # minutes

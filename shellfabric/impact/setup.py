@@ -103,6 +103,8 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     instead : YarnZone of yarns that are resolved if friction may not hold pinned ones;
         what cannot choose refuses it (`target`)
+    pinned : whether `crossovers` is None because pinned yarns were asked for: commands resolve those of
+        which nothing is said
     ply_friction : [-] Coulomb's coefficient between plies
     strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
     contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes
@@ -137,6 +139,7 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
     instead: YarnZone | None = None
+    pinned: bool = False
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):

@@ -84,8 +84,8 @@ def test_what_has_no_value_of_its_own_is_no_part_of_a_key(value):
         ("shellfabric.impact.run", "fabrics/catalogue/new.toml", True),
         ("shellfabric.impact.run", "shellfabric/pictures_new.py", False),
         ("shellfabric.impact.run", "weavecell/studies/new.py", False),
-        ("weavecell.studies.v50", "weavecell/scenes/new.py", True),
-        ("weavecell.studies.v50", "weavecell/report/new.py", False),
+        ("weavecell.runs.v50", "weavecell/scenes/new.py", True),
+        ("weavecell.runs.v50", "weavecell/report/new.py", False),
         ("validation.claims.runner", "validation/published/new.py", True),
     ],
 )
@@ -108,7 +108,7 @@ def test_a_key_changes_with_inputs_version_and_code(monkeypatch):
     first = run_cache.key(("a", 1.0), "fabrics.yarn")
     assert first == run_cache.key(("a", 1.0), "fabrics.yarn")
     assert first != run_cache.key(("a", 2.0), "fabrics.yarn")
-    assert first != run_cache.key(("a", 1.0), "weavecell.studies.v50")
+    assert first != run_cache.key(("a", 1.0), "weavecell.runs.v50")
     monkeypatch.setattr(run_cache, "__version__", "9.9")
     assert first != run_cache.key(("a", 1.0), "fabrics.yarn")
     assert run_cache.version("fabrics.yarn").startswith("9.9 (code ")

@@ -20,18 +20,16 @@ from fabrics.base import run_cache, store
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.projectile.projectile import Projectile
-from weavecell.studies.v50 import Shot
+from weavecell.runs.table import Shot
 
 KEY = "0123456789abcdef" * 2
 SHOT = Shot(
-    3,
     61.25,
     float("nan"),
     True,
+    number=3,
+    drawn={"modulus": 1.02, "crimp_warp": np.float64(1.1)},
     weakest=(0.81, np.float64(0.77)),
-    modulus=1.02,
-    crimp_warp=1.1,
-    crimp_weft=0.9,
     impact_point=(1e-3, -2e-3),
     balance=1e-4,
     doubtful=("viscous energy",),

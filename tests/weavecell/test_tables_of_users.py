@@ -9,8 +9,9 @@ from fabrics.base.errors import InputError
 from fabrics.base.tables import QUANTITIES, WORDS, read_table
 from fabrics.plate_curve import PlateCurve
 from unitcell3d.cases import load_path
+from weavecell.runs import laboratory_tests
 from weavecell.scenes import curves, fabric_file
-from weavecell.studies import displacement_record, laboratory_tests
+from weavecell.studies import displacement_record
 from weavecell.studies.compression_records import CompressionRecord
 
 N = np.arange(1, 21)

@@ -32,13 +32,7 @@ from validation.models.ply_crossings import plies_cross
 from validation.values import Values, flags, rms
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.wave_fronts import fronts
-from weavecell.studies import (
-    ballistic_limit,
-    lambert_jonas,
-    mesh_uncertainty,
-    pack_limit,
-    sweep,
-)
+from weavecell.studies import ballistic_limit, lambert_jonas, mesh_uncertainty, pack_limit, shot_row
 from weavecell.studies.window import QUANTITIES, Window
 
 if TYPE_CHECKING:
@@ -524,7 +518,9 @@ def means(*, velocity: float, factors: Sequence[float], **keywords: Any) -> Valu
         result, problem = run_impact_or_partial(this, table=table)
         costs.append(time.process_time() - began)
         shares.append(next(check.value for check in result.checks if check.name == VISCOUS))
-        rows.append({"strike_velocity_m_s": this.strike_velocity} | sweep.row_of(result, problem))
+        rows.append(
+            {"strike_velocity_m_s": this.strike_velocity} | shot_row.row_of(result, problem)
+        )
     of_window = Window(velocity, tuple(rows))
     summary: Values = {name: of_window.mean(name) for name in QUANTITIES} | {
         "not_perforated": len(rows) - of_window.outcomes["perforated"],

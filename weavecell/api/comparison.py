@@ -34,6 +34,7 @@ from weavecell.api.scatter import V50Plan, V50Result
 from weavecell.api.target import is_input_file, resolve_target
 from weavecell.results.finding import Answer
 from weavecell.results.left_out import LeftOut
+from weavecell.runs import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -216,7 +217,8 @@ def compare(
     panels = [panel.resolved() for panel in _resolve(target, other, options)]
     for panel in panels:
         with panel.name_problems():
-            strengths.check(panel.setup, inputs.read_scatter())
+            fired = table.as_fired(panel.setup)
+            strengths.check_places(fired, inputs.read_scatter(), first, count)
     return ComparisonPlan(*panels, count, first)
 
 

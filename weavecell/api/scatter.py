@@ -39,7 +39,15 @@ if TYPE_CHECKING:
     from weavecell.studies.inputs import Scatter
 
 
-NAMES = ("v50.json", "v50.csv", "shots.csv", "shots.h5", "v50.png", *out_folder.INPUT, "report.html")
+NAMES = (
+    "v50.json",
+    "v50.csv",
+    "shots.csv",
+    "shots.h5",
+    "v50.png",
+    *out_folder.INPUT,
+    "report.html",
+)
 
 
 @dataclass(frozen=True)
@@ -168,6 +176,7 @@ def v50(
     >>> found.v50_low < found.v50 < found.v50_high  # [m/s]
     True
     """
+    from weavecell.runs import table
     from weavecell.runs import v50 as analysis
     from weavecell.studies import inputs, strengths
 
@@ -197,7 +206,8 @@ def v50(
     }
     panel = resolve_target(target, options, "v50", function="v50").resolved()
     with panel.name_problems():
-        strengths.check(panel.setup, scatter)
+        fired = table.as_fired(panel.setup)
+        strengths.check_places(fired, scatter, sizes["seed"], shots)
     return V50Plan(panel, scatter, **sizes, within=narrow)
 
 
@@ -308,9 +318,7 @@ class V50Result(StudyResult):
         sure = len(shots) >= v50.MANY
         first = self._say_first()
         settles = {name: unknown.ADVICE.get(name, "") for name in found.widths} | first
-        moved = [
-            Mover(name, settles[name], width, sure) for name, width in found.widths.items()
-        ]
+        moved = [Mover(name, settles[name], width, sure) for name, width in found.widths.items()]
         return self._find_answer(subject, found.words(), moved, tuple(first.values()), over=over)
 
     def _say_first(self):

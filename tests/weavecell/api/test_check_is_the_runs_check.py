@@ -49,7 +49,7 @@ def not_computed(monkeypatch):
         raise Computed
 
     for where in (
-        "weavecell.studies.v50.study",
+        "weavecell.runs.v50.study",
         "weavecell.studies.limit.search",
         "shellfabric.impact.run._run_recorded",
         "shellfabric.impact.run._make_solver",

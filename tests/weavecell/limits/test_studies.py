@@ -17,9 +17,9 @@ from weavecell.api.sweeps import SweepTable
 from weavecell.api.target import resolve_target
 from weavecell.report.shot import chapters_shot
 from weavecell.results import progress
+from weavecell.runs import sweep as analysis
 from weavecell.studies import limit as limits
 from weavecell.studies import pack_limit
-from weavecell.studies import sweep as analysis
 from weavecell.studies.ballistic_limit import Limit, Shot
 
 

@@ -40,12 +40,12 @@ from weavecell.report.shot import pictures_shot
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Cut
 from weavecell.results.wave_fronts import Front
-from weavecell.studies import v50
+from weavecell.runs import table
+from weavecell.runs.span import Span
+from weavecell.runs.sweep import QUANTITIES
 from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.ballistic_limit import Limit, Shot
-from weavecell.studies.drawn import Span
 from weavecell.studies.energy_map import EnergyMap
-from weavecell.studies.sweep import QUANTITIES
 
 ROOT = Path(__file__).parents[3]
 DRAWN = {}
@@ -943,7 +943,7 @@ def tornado(pyplot):
 
 def drawn_shots():
     return tuple(
-        v50.Shot(n, v, left, left > 1, 1, 1, 1, (1, 1), (0, 0), dict(zip(FRICTIONS, of)), 0.0)
+        table.Shot(v, left, left > 1, n, dict(zip(FRICTIONS, of)), balance=0.0)
         for n, (v, left, of) in enumerate(
             ((80.0, 0.5, (0.11, 0.03)), (90.0, 11.0, (0.23, 0.07)), (95.0, 47.0, (0.29, 0.19)))
         )

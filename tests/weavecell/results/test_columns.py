@@ -14,9 +14,11 @@ from weavecell.api.scatter import V50Result
 from weavecell.results import impact, one_table
 from weavecell.results.impact import ImpactRecord, _describe_stacking
 from weavecell.results.impact_shapes import Cut
-from weavecell.studies import laboratory_tests, sweep, v50, window
+from weavecell.runs import laboratory_tests, sweep, table, v50
 from weavecell.studies import limit as limit_study
+from weavecell.studies import shot_row, window
 from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot
+from weavecell.studies.inputs import Scatter
 
 FIELDS = (
     "residual_velocity",
@@ -54,14 +56,14 @@ ROW = {
 
 
 def test_a_row_of_a_sweep():
-    assert sweep.row_of(result_of(3)) == ROW
-    assert sweep.row_of(result_of(3), "too fast") == ROW | {"outcome": "unstable"}
+    assert shot_row.row_of(result_of(3)) == ROW
+    assert shot_row.row_of(result_of(3), "too fast") == ROW | {"outcome": "unstable"}
 
 
 def test_a_row_of_a_sweep_says_why_its_shot_was_run_again():
     again = result_of(3)
     again.widened = "a zone of 20 mm was too small"
-    assert sweep.row_of(again) == ROW | {"widened": "a zone of 20 mm was too small"}
+    assert shot_row.row_of(again) == ROW | {"widened": "a zone of 20 mm was too small"}
 
 
 def test_a_row_of_a_window_and_its_means():
@@ -144,9 +146,9 @@ def test_the_table_of_a_v50():
     shots = []
     for n in range(3):
         factors = [10.0 * n + k for k in range(1, 4)]
-        one = v50.Shot(
-            n, 90.0 + n, 30.0 + n, n > 1, *factors, (n + 0.1, n + 0.2), (n, -n), {}, 0.01 * n
-        )
+        told = {"drawn": dict(zip(names, factors)), "weakest": (n + 0.1, n + 0.2)}
+        told |= {"impact_point": (n, -n), "balance": 0.01 * n}
+        one = table.Shot(90.0 + n, 30.0 + n, n > 1, n, **told)
         shots.append(one)
     found = V50Result(Given(shots=shots), Given(setup=Given(crossovers=1)), 1, 1, 0.0)._columns()
     assert found["number"] == [0, 1, 2]
@@ -208,7 +210,7 @@ def shot():
 def test_a_shot_its_row_and_its_summary_have_the_same_numbers(shot):
     """Name by name: of the solver's result, the row of a sweep and the summary of a shot."""
     result, written = shot
-    told, row = written.summary(), sweep.row_of(result)
+    told, row = written.summary(), shot_row.row_of(result)
     for name in row.keys() & told.keys() - {"checks"}:
         assert told[name] == row[name], name
     assert {
@@ -333,10 +335,10 @@ def test_a_stop_with_a_little_velocity_left_is_a_stop_of_the_curve():
     for left in (4.0, 0.0):
         shots = [(s.strike_velocity, s.residual_velocity, s.perforated) for s in SHOTS]
         drawn = [
-            v50.Shot(n, *shot, 1, 1, 1, (1, 1), (0, 0), {}, 0.0)
+            table.Shot(*shot, n, balance=0.0)
             for n, shot in enumerate([*shots, (85.0, left, False)])
         ]
-        fits.append(v50.Study(tuple(drawn), None, v50.Scatter()).lambert_jonas)
+        fits.append(v50.Study(tuple(drawn), None, Scatter()).lambert_jonas)
     assert fits[0] == fits[1]
 
 

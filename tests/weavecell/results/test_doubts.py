@@ -16,10 +16,11 @@ from tests.weavecell.golden_texts import cases
 from tests.weavecell.session_runs import small_calibration
 from weavecell.cli import app
 from weavecell.report.shot import beside
+from weavecell.runs import laboratory_tests, table
 from weavecell.scenes import build
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.fabric_table import check_scene
-from weavecell.studies import ballistic_limit, laboratory_tests, protocol, v50
+from weavecell.studies import ballistic_limit, protocol
 
 BAD = Indicator("energy error", 0.031, 0.01, meaning="what the balance misses")
 SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
@@ -221,9 +222,7 @@ def test_panels_of_other_masses_are_compared_per_areal_density_first(heavier, mo
 
 
 def test_a_drawn_shot_says_its_checks():
-    of = (1, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (0.0, 0.0), {}, 0.01)
-    assert v50.Shot(*of).checks == "ok"
-    assert (
-        v50.Shot(*of, ("cut outside the zone", "energy error")).checks
-        == "doubtful: cut outside the zone, energy error"
-    )
+    of = (90.0, 0.0, False, 1)
+    doubts = ("cut outside the zone", "energy error")
+    assert table.Shot(*of).checks == "ok"
+    assert table.Shot(*of, doubtful=doubts).checks == f"doubtful: {', '.join(doubts)}"

@@ -74,7 +74,7 @@ def not_computed(monkeypatch):
         "weavecell.studies.ballistic_limit.shoot",
         "weavecell.studies.biaxial_path.to_strength",
         "weavecell.studies.small_patch.SmallPatch.strike",
-        "weavecell.studies.laboratory_tests.reduce",
+        "weavecell.runs.laboratory_tests.reduce",
         "weavecell.studies.displacement_record.reduce",
         "weavecell.studies.compression_records.laws_of",
         "weavecell.decks.model.build",

@@ -10,7 +10,8 @@ from fabrics import catalogue
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
-from weavecell.studies import inputs, strengths, v50
+from weavecell.runs import table, v50
+from weavecell.studies import inputs, strengths
 from weavecell.studies.inputs import Scatter
 
 # no two spreads are alike
@@ -32,15 +33,14 @@ def test_shots_of_a_study_are_numbered_through_and_see_panels_of_their_own(
 ):
     """Three rounds, the last of them shorter: numbers 0 to n - 1, and no two draws share a number of theirs."""
 
-    def fire(setup, scatter, seed, number, velocity):
-        factors = strengths.draw_factors(scatter, seed, number * setup.plies)
-        shot = (velocity, 0.4 * velocity, velocity > 95.0)
-        others = {"weakest": (0.9, 0.8), "impact_point": (0, 0), "frictions": {}, "balance": 0}
-        return v50.Shot(number, *shot, **factors, **others)
+    def fire(setup, velocity, draw):
+        factors = strengths.draw_factors(draw.scatter, draw.seed, draw.number * setup.plies)
+        shot = (velocity, 0.4 * velocity, velocity > 95.0, draw.number)
+        return table.Shot(*shot, drawn=factors, balance=0.0)
 
-    monkeypatch.setattr(v50, "fire", fire)
-    numbers = lambda inputs: [each for each in inputs[1] if isinstance(each, int | float)]  # noqa: E731
-    monkeypatch.setattr(v50.run_cache, "key", lambda inputs, *_: str(numbers(inputs)))
+    monkeypatch.setattr(table, "fire", fire)
+    told = lambda inputs, *_: f"{inputs[1][1]} {inputs[1][2].number}"  # noqa: E731
+    monkeypatch.setattr(table.run_cache, "key", told)
     study = v50.study(setup, SCATTER, shots=11, batch=batch, seed=3, folder=tmp_path)
     assert [shot.number for shot in study.shots] == list(range(11))
     for name in ("modulus", "crimp_warp", "crimp_weft"):

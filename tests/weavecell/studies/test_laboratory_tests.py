@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import stats
 
 import weavecell as wc
-from weavecell.studies import laboratory_tests, protocol
+from weavecell.runs import laboratory_tests
+from weavecell.studies import protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
 
 TABLE = """# a pack, made up

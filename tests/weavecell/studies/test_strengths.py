@@ -17,7 +17,8 @@ from shellfabric.yarns.model import YarnZone
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from weavecell.api.scatter import V50Result
-from weavecell.studies import inputs, strengths, v50
+from weavecell.runs import table
+from weavecell.studies import inputs, strengths
 
 ALIKE_BUT_STRENGTH = replace(inputs.read_scatter(), modulus=0.0, crimp=0.0)
 
@@ -64,7 +65,8 @@ def test_resolved_yarns_are_struck_at_another_point_in_each_draw(setup):
 
 def test_shots_at_resolved_yarns_have_their_impact_points(setup):
     """Drawn points are in the table of shots; of pinned yarns, all struck at one point, they are not."""
-    shot = v50.Shot(0, 90.0, 0.0, False, 1.0, 1.0, 1.0, (0.9, 0.8), (1e-4, -2e-4), NOT_DRAWN, 1e-3)
+    drawn_there = {"impact_point": (1e-4, -2e-4), "weakest": (0.9, 0.8)}
+    shot = table.Shot(90.0, 0.0, False, 0, **drawn_there, balance=1e-3)
     columns = {}
     for crossovers in (YarnZone(), None):
         target = SimpleNamespace(setup=replace(setup, crossovers=crossovers))
