@@ -28,7 +28,7 @@ def difference(pyplot: Any, result: Any) -> Any:
     axis.set(xlabel=find_axis("strike_velocity_m_s").label)
     legend_below(axis, columns=1)
     found = result.difference
-    ends = found.low, found.high
+    ends = found.span.low, found.span.high
     if np.isfinite(ends).all():
         lower.plot(ends, [0, 0], lw=7, color=FAINT, alpha=0.6, solid_capstyle="butt")
     lower.plot(found.value, 0, "D", color=INK)

@@ -65,6 +65,8 @@ class Difference:
 
 
 def subtract(a: FloatArray, b: FloatArray) -> Span:
-    """Return the Span of equally likely values (d,) less others (d,), drawn apart from each other."""
-    # two posteriors are sampled with the same random numbers
-    return find_spans((a - np.random.default_rng(1).permutation(b))[:, None])[0]
+    """Return the Span of equally likely values (d,) less as many others, drawn apart from each other."""
+    # two posteriors are sampled with the same random numbers; both ways round, so that b less a is the
+    # same turned round, and a less a is nothing
+    mixed = np.random.default_rng(1).permutation(len(a))
+    return find_spans(np.concatenate([a - b[mixed], a[mixed] - b])[:, None])[0]

@@ -98,7 +98,7 @@ class Shot:
     doubtful: tuple[str, ...] = ()
     failure: str = ""
     widened: str = ""
-    cpu_time: float = nan
+    cpu_time: float = field(default=nan, compare=False)
 
     @property
     def outcome(self) -> str:

@@ -123,7 +123,6 @@ class Study:
             "doubtful": self.doubtful,
             "without_outcome": len(self.failures),
             "energy_error_max": max((shot.balance for shot in self.shots), default=nan),
-            "cpu_time_s": float(sum(shot.cpu_time for shot in self.shots)),
             **widened,
         }
 

@@ -186,8 +186,8 @@ def shots_beside_tests(pyplot):
             "computed_residual_velocity_m_s": [3.0, 27.0, 66.0],
         }
     )
-    curve = Given(reason="", V50=84.0, intervals={"V50": (79.0, 88.0)}, by_prior=True)
-    tests = Given(table=table, curve=curve, lambert_jonas=curve_of("", 0.3))
+    posterior = Given(velocities={"V50": Span(84.0, 79.0, 88.0)})
+    tests = Given(table=table, posterior=posterior, lambert_jonas=curve_of("", 0.3))
     comparison = Given(
         table=table, limit=Given(low=90.0, high=92.0, velocity=91.0), computed=curve_of("", 0.6)
     )

@@ -66,13 +66,14 @@ def test_v50_of_tests_lies_between_the_fastest_stop_and_the_slowest_perforation(
     """110 m/s, stopped, and 120 m/s, perforated."""
     summary = comparison.summary()
     low, high = summary["tested_v50_interval_m_s"]
-    assert summary["tested_v50_m_s"] == pytest.approx(115.0)
+    assert summary["tested_v50_m_s"] == pytest.approx(115.0, rel=0.01)
     assert low < 115 < high
 
 
 def test_the_computed_limit_stands_beside_v50_of_the_tests(comparison):
     assert comparison.computed.limit == 105.0
-    assert comparison.summary()["critical_velocity_over_v50"] == pytest.approx(105 / 115)
+    told = comparison.summary()
+    assert told["critical_velocity_over_v50"] == 105 / told["tested_v50_m_s"]
 
 
 def test_too_few_perforations_determine_no_lambert_jonas_curve(comparison):
@@ -111,7 +112,7 @@ def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
         "tests.svg",
     ]
     told = json.loads((tmp_path / "r" / "tests.json").read_text())
-    assert told["tested_v50_m_s"] == pytest.approx(115.0)
+    assert told["tested_v50_m_s"] == pytest.approx(115.0, rel=0.01)
     assert "tests: V50 of six shots (MIL-STD-662F: 3 fastest stops" in out
     tests = read(tmp_path, TABLE)
     shots = [shot(v, 10.0) for v in tests["velocity"]]
@@ -127,7 +128,7 @@ def test_of_one_outcome_there_is_no_v50(tmp_path):
     found = laboratory_tests.compare(
         tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ())
     )
-    assert found.tests.curve.reason == "all 2 shots perforated"
+    assert found.tests.words() == "V50 not determined: all 2 shots end alike"
     assert np.isnan(found.summary()["tested_v50_m_s"])
     assert found.difference()["mean"] is None
 
@@ -159,7 +160,7 @@ def test_the_residual_velocity_of_a_rebound_is_refused_with_what_is_allowed(tmp_
 
 
 def test_the_spread_of_the_tests_is_told(tmp_path):
-    """s, V0, V10 and V90 of mixed outcomes, in the terminal and in tests.json."""
+    """V10, V50 and V90 of mixed outcomes, in the terminal and in tests.json."""
     outcomes = [
         "90,PP",
         "95,CP",
@@ -173,12 +174,15 @@ def test_the_spread_of_the_tests_is_told(tmp_path):
     ]
     rows = "\n".join(["velocity [m/s],outcome", *outcomes])
     reduced = laboratory_tests.reduce(read(tmp_path, rows))
-    curve = reduced.curve
     summary = reduced.summary()
-    assert summary["tested_s_m_s"] == curve.s > 0
-    for name, quantile in (("v10", -1.2815516), ("v90", 1.2815516)):
-        value = summary[f"tested_{name}_m_s"]
-        low, high = summary[f"tested_{name}_interval_m_s"]
-        assert value == pytest.approx(curve.V50 + quantile * curve.s, rel=1e-6)
+    middles = []
+    for name, span in reduced.posterior.velocities.items():
+        value = summary[f"tested_{name.lower()}_m_s"]
+        low, high = summary[f"tested_{name.lower()}_interval_m_s"]
+        assert (value, low, high) == span
         assert low < value < high
-    assert any("s 1" in line and "V10" in line and "V90" in line for line in reduced.lines("t"))
+        middles.append(value)
+    assert middles == sorted(middles)
+    # by eye: as many perforations below as stops above
+    assert middles[1] == pytest.approx(105.0, abs=4.0)
+    assert any("V50 10" in line and "V90" in line for line in reduced.lines("t"))
