@@ -3,6 +3,7 @@
 from math import nan
 
 import pytest
+
 from shellfabric.membrane import quality
 from validation.cases import places
 from weavecell.studies import sweep
