@@ -38,7 +38,7 @@ def test_a_command_ends_well_and_leaves_its_folder(results, name):
     told = RUNS[name]
     assert run.code == 0, run.err
     assert "error" not in run.err
-    assert "written to r\n" in run.out
+    assert re.search(r"^(files +r(/report\.html)?|written to r)$", run.out, re.MULTILINE)
     assert names(run.folder).split() == told["folder"].split()
     if "scene.toml" in told["folder"].split():
         assert (run.folder / "scene.toml").read_text() == (
