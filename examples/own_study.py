@@ -3,8 +3,8 @@ A study of one's own
 ====================
 
 Does a blunter nose pass less often? Eight drawn panels each are struck at one velocity by a sphere and by a flat
-cylinder of the same mass. Place, frictions and strengths of the yarns are drawn, the same for both noses where both have
-them. The table has a row a shot. About 8 s.
+cylinder of the same mass. Place, frictions and strengths of the yarns are drawn, the same for both noses. The table has
+a row a shot. About 8 s.
 Run with ``python examples/own_study.py``.
 """
 

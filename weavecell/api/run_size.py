@@ -487,7 +487,7 @@ def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) 
     from weavecell.studies.limit import usual_tolerance
 
     if quantity == "v50":
-        return StudySize.estimate(table.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
+        return StudySize.estimate(table.as_fired(setup), setup.title, shots, drawn=True, **words)
     beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
     width = width or usual_tolerance(setup.target())
     return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width, **words)

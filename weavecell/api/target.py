@@ -120,8 +120,7 @@ class Target:
             return pinned
         setup = finish(places.resolve(given))
         try:
-            # its table is taken from the cache folder, or is kept there for the run
-            check_impact(setup, setup.table(kept=True))
+            check_impact(setup, target=setup.plain_target())
         except InputError:
             # a mesh of its own, say, which pinned yarns alone read, or a zone that does not fit the opening
             return pinned

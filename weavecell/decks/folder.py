@@ -17,6 +17,7 @@ from weavecell.decks.homogenised import MATCHES
 from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
 from weavecell.results import json_file, provenance
+from weavecell.results.finding import Answer
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {
@@ -70,18 +71,13 @@ def write(
     summary = {"code": to, "match": match, "run_in_the_code": False, "error_over_strength": errors}
     json_file.write(out / "summary.json", summary | {"provenance": provenance.stamp(text, fabric)})
     worst = max(card.mismatch.worst for card in deck.cards)
-    if worst > LIMIT:
-        tone = "unstable"
-    else:
-        tone = "plain"
-    head = page.Card(
-        "Error of the material card", f"{percent(worst)} of the strength at most", (), tone
-    )
+    value = f"the material card errs by {percent(worst)} of the strength at most"
+    doubts = (f"error of the material card above {percent(LIMIT)}",) if worst > LIMIT else ()
     header = page.Section(
         "header", "Header of the deck", details=(("as in the file", "\n".join(deck.header)),)
     )
     report = page.Report(
-        deck.title, f"Deck for {code.NAME}, not run in it", ((head,),), (error, header)
+        Answer(deck.title, value, doubts), f"Deck for {code.NAME}, not run in it", (error, header)
     )
     page.write(report, out / "report.html")
 

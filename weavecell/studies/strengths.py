@@ -107,9 +107,8 @@ def check_places(setup: ImpactSetup, scatter: Scatter, seed: int, shots: int) ->
     if setup.crossovers is None:
         return
     whole = replace(setup, symmetry="whole")
-    table = whole.table(kept=True)
     for number in range(shots):
-        _place(whole, seed, number).target(table)
+        _place(whole, seed, number).plain_target()
 
 
 def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:

@@ -19,6 +19,7 @@ NUMBERS = {
     "export_deck": (r"LAW58 {'rms': '", 3.4),
     "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 225),
     "oblique_fragment": (r"30 degrees: perforated,", 138),
+    "own_study": (r"of 8 shots pass: sphere", 8),
     "punch_test": (r"failure length 0.75 mm: limit", 41.6),
     "sobol_indices": (r"80 shots: mean", 118.0),
     "uncertainty": (r"3 x 3 elements per crossover:", 122.4),

@@ -46,7 +46,9 @@ def test_shots_of_a_study_are_numbered_through_and_see_panels_of_their_own(
     for name in ("modulus", "crimp_warp", "crimp_weft"):
         assert len({shot.drawn[name] for shot in study.shots}) == 11
     drawn = [strengths.draw_factors(SCATTER, 3, 2 * number) for number in range(11)]
-    assert [shot.drawn["crimp_weft"] for shot in study.shots] == [each["crimp_weft"] for each in drawn]
+    assert [shot.drawn["crimp_weft"] for shot in study.shots] == [
+        each["crimp_weft"] for each in drawn
+    ]
 
 
 def test_no_yarn_of_two_panels_is_alike(setup):
