@@ -202,7 +202,7 @@ def shots_beside_tests(pyplot):
         "tests Lambert-Jonas": (line, 0.3 * line),
         "computed Lambert-Jonas": (line, 0.6 * line),
         "V50 of the tests": 84.0,
-        "V50 interval": (79.0, 88.0, 0.95),
+        "V50 interval": (79.0, 88.0, 0.9),
         "computed critical": 91.0,
     }
     return figure, data
@@ -345,7 +345,7 @@ def test_two_panels_side_by_side():
         names=("A one", "B other"),
         a=sides[0],
         b=sides[1],
-        difference=Given(value=-20.0, low=-27.0, high=-11.0),
+        difference=Given(value=-20.0, span=Span(-20.0, -27.0, -11.0)),
     )
     with pictures_figure.plots() as pyplot:
         figure = pictures_comparison.difference(pyplot, result)
