@@ -416,7 +416,7 @@ class FabricFile(DataTable):
     gauge_length: _data(
         "length of the yarns whose strength is stated; yarns that are longer in the panel are weaker",
         "250 mm",
-        {"m": "0.1 mm to 100 m"},
+        {"m": "0.1 to 100000 mm"},
     ) = None
     weibull_shape: _data(
         "shape of the Weibull distribution of the yarns' strengths, which says how much weaker",

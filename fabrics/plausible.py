@@ -15,8 +15,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.checks import FilePath
 from fabrics.base.assumed_number import is_assumed
+from fabrics.base.checks import FilePath
 from fabrics.base.errors import AS_WRITTEN, InputError
 from fabrics.base.files import read_data
 from fabrics.base.units import NUMBER, si

@@ -630,9 +630,7 @@ class PanelGrid(PanelSetup):
         if not self.rate_dependence:
             return np.zeros((2, 3, 0))
         assert self.fabric.strain_rate is not None  # checked by _check_strength
-        return np.array(
-            [self.fabric.strain_rate.table(strain) for strain in self.failure_strains]
-        )
+        return np.array([self.fabric.strain_rate.table(strain) for strain in self.failure_strains])
 
     def reach(self) -> tuple[float, ...]:
         """Compute the distance (along warp, along weft) [m] from the projectile's middle that

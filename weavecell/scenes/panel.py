@@ -342,9 +342,9 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
     ] = None
     length_effect: Annotated[
         flag(
-            "whether the strength of a yarn follows its length from edge to edge: it is that of the fabric at the gauge "
-            "length, 200 mm if its file has none, and longer yarns are weaker ([strength](../reports/yarns.md)). false: "
-            "the strength of the fabric is that of the yarns in the panel, as in the thesis"
+            "whether the strength of a yarn follows its length from edge to edge: the stated strength is that of yarns "
+            "of the gauge length of the fabric, 200 mm if its file gives none, and longer ones are weaker "
+            "([strength](../reports/yarns.md)); false: it is that of the yarns in the panel, as in the thesis"
         ),
         NoPlace("export", "nothing breaks"),
         Unread("patch", "left out: the yarns of a patch have the strength that the fabric states"),
