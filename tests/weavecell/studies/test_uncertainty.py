@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.setup import ImpactSetup, Ply
-from shellfabric.impact.strengths import YarnStrength, draw_strengths
+from shellfabric.impact.strengths import draw_strengths
 from shellfabric.membrane import failure_kernels
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.slots import by_node
