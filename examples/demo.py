@@ -35,7 +35,7 @@ MOST = {
     "viscous energy, of the energy absorbed": 0.05,
 }
 # of examples/S-720-stops.toml
-OPTIONS = {"end_time": "600 us", "snapshot_interval": "10 us"}
+OPTIONS = {"end_time": "600 us", "snapshot_interval": "10 us", "length_effect": False}
 # [m], [m N^(1/3)] a and b that are fitted on the medium mesh (weavecell calibrate S-720 --mesh medium)
 MEDIUM = {"a": 44.30e-6, "b": 56.16e-6}
 

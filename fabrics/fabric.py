@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from fabrics.base.checks import positive, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from fabrics.base.run_cache import ADDED_LATER
 from fabrics.compression import CompressionLaw
 from fabrics.families.strain_rate import RateLaw
 from fabrics.solid import SolidLaw
@@ -55,6 +56,8 @@ class Fabric:
     strain_rate : RateLaw of its yarns, or None
     failure_length : [m] half width, across the fibres, of the mean tension that is held against the
         strength
+    gauge_length : [m] of the yarns that have the strength of `weave` on average (`length_factors`)
+    weibull_shape : [-] of the distribution of their strengths
     ranges : {dotted key: (low, high) over the value} of numbers with a range of their own
     guessed : dotted keys of numbers that are assumed without a range
     family : name of the fibre family whose values are assumed; None takes that which modulus and
@@ -85,9 +88,11 @@ class Fabric:
     guessed: tuple[str, ...] = ()
     family: str | None = None
     idealised: bool = False
+    gauge_length: float = field(default=0.2, metadata=ADDED_LATER)
+    weibull_shape: float = field(default=14.3, metadata=ADDED_LATER)
 
     def __post_init__(self):
-        positive(self, "failure_length")
+        positive(self, "failure_length", "gauge_length", "weibull_shape")
         if self.section is not None and self.section not in SECTIONS:
             refuse(
                 self,
@@ -110,6 +115,16 @@ class Fabric:
             f"{weave.weft_count / 100:.3g} yarns per cm of {warp.strength:.0f}/{weft.strength:.0f} N, crimp "
             f"{100 * warp.crimp:.3g}/{100 * weft.crimp:.3g} %, {known})"
         )
+
+    def length_factors(self, lengths: Iterable[float]) -> tuple[float, ...]:
+        """Compute what the mean strength of yarns of these lengths [m] is over that of the gauge length
+        [-].
+
+        A yarn is as strong as its weakest place. Of yarns whose strengths T at the length L0 follow 1 -
+        exp(-(T / T0)^m), those of the length L follow 1 - exp(-(L / L0) (T / T0)^m): all strengths are
+        multiplied by (L0 / L)^(1 / m), and their scatter stays (W. Weibull, J. Appl. Mech. 18 (1951) 293).
+        """
+        return tuple((self.gauge_length / length) ** (1 / self.weibull_shape) for length in lengths)
 
     def with_yarns(self, **values: float | Iterable[float]) -> Fabric:
         """Return this fabric with other values of its yarns; further changes are in

@@ -413,6 +413,16 @@ class FabricFile(DataTable):
         "0.75 mm",
         {"m": "0.01 to 10 mm"},
     ) = None
+    gauge_length: _data(
+        "length of the yarns whose strength is stated; yarns that are longer in the panel are weaker",
+        "250 mm",
+        {"m": "0.1 to 100000 mm"},
+    ) = None
+    weibull_shape: _data(
+        "shape of the Weibull distribution of the yarns' strengths, which says how much weaker",
+        "14.3",
+        {"": "1 to 1000"},
+    ) = None
     family: one_of(
         "fibre family whose laws are assumed; with wider ranges if modulus and fibre density are of another fibre",
         *FIBRES,

@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fabrics.base.assumed_number import is_assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import AS_WRITTEN, InputError
 from fabrics.base.files import read_data
@@ -240,6 +241,10 @@ def _of_lengths(fabric):
     if "failure_length" not in fabric.assumed:
         ratio = fabric.failure_length / min(spacings)
         yield Number("failure_length", "failure_length", ratio)
+    for key in ("gauge_length", "weibull_shape"):
+        own = getattr(fabric, key)
+        if not is_assumed(own):
+            yield Number(key, key, own)
     if fabric.interlayer_gap and weave.thickness > 0:
         ratio = fabric.interlayer_gap / weave.thickness
         yield Number("interlayer_gap", "interlayer_gap", ratio)

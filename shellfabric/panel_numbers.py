@@ -138,24 +138,6 @@ class PanelNumbers:
         Unread("export", "false: cards have one strength"),
     ] = False
 
-    def failure_in_words(self, fabrics: Iterable[Fabric], drawn: bool) -> str:
-        """Say whether and when yarns of some fabrics fail; `drawn` where each has a strength of its own."""
-        if not self.yarn_failure:
-            return "Yarns do not fail."
-        strengths = []
-        for fabric in fabrics:
-            warp, weft = fabric.weave.yarns
-            strengths.append(
-                f"{warp.strength:.0f} / {weft.strength:.0f} N ({fabric.name}, warp / weft)"
-            )
-        rate = "at any strain rate"
-        if self.rate_dependence:
-            rate = "multiplied by what its strain rate makes of it"
-        scatter = "it is the same for all yarns"
-        if drawn:
-            scatter = "each yarn has a drawn strength about it"
-        return f"A yarn fails at its strength, {', '.join(strengths)}, {rate}; {scatter}."
-
     def rate_in_words(self, fabrics: Iterable[Fabric]) -> str:
         """Say how stiffness and strength of the yarns of some fabrics follow the strain rate."""
         if not self.rate_dependence:

@@ -34,7 +34,7 @@ def shot(velocity, interval=None):
 def image_of(result):
     """Draw the panel at INSTANT, its modelled part mirrored: (rows, columns, 3)."""
     shape = min((shapes[0] for shapes in result.snapshots), key=lambda one: abs(one.t - INSTANT))
-    strength = np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns])
+    strength = np.array(result.panel.strengths)
     body = shape.projectile_position + result.setup.projectile.surface()
     grid = vtk.panel([Shape.from_snapshot(shape)], [snapshots.quads(result.panel)])
     foremost = body[..., 2] > body[..., 2].max() - 1e-4  # [m]

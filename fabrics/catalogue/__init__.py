@@ -163,6 +163,17 @@ def _fabric(file, data, sources, path):
             "source": length.source,
             "status": length.status,
         }
+    of_length = {}
+    for key in ("gauge_length", "weibull_shape"):
+        entry = data_sheet.entries()[key]
+        datum = getattr(file, key)
+        of_length[key] = entry.number if datum is None else datum.value
+        if datum is None:
+            sources[key] = {
+                "value": entry.written,
+                "source": entry.source,
+                "status": entry.status,
+            }
     names = ("crimp",) * computed + ("failure_length",) * (own_length is None)
     # a fabric of the thesis is a plain weave, as strong as before weaving and without friction between plies
     if path.parent != _FOLDER:
@@ -193,6 +204,7 @@ def _fabric(file, data, sources, path):
         sources=sources | ({} if rate_law is None else rate_law.sources()),
         assumed=names,
         failure_length=(own_length or length).value,
+        **of_length,
         yarn_width=(_value(file.warp.width), _value(file.weft.width)),
         yarn_area=(_area("warp", file.warp, warp), _area("weft", file.weft, weft)),
         thickness=thickness,

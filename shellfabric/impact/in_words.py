@@ -48,7 +48,7 @@ def list_assumptions(
     drawn = drawn or setup.strength is not None
     rows = [
         ("crossovers", crossovers),
-        ("failure of yarns", [setup.failure_in_words(setup.fabrics, drawn)]),
+        ("failure of yarns", [setup.failure_in_words(drawn)]),
         ("strain rate", [setup.rate_in_words(setup.fabrics)]),
         ("edges", setup.frame_in_words),
         ("projectile", [body_in_words, *flight]),

@@ -21,11 +21,9 @@ def list_numbers(setup: Any) -> Iterator[Number]:
     yield from _of_projectile(setup)
     yield from _of_panel(setup)
     yield from _of_plies(setup)
-    if setup.strength is not None and isfinite(setup.strength.weibull_shape):
-        shape = setup.strength.weibull_shape
+    shape = setup.strength and setup.strength.weibull_shape
+    if shape is not None and isfinite(shape):
         yield Number("panel.strength.weibull_shape", "weibull_shape", shape)
-        length = setup.strength.gauge_length
-        yield Number("panel.strength.gauge_length", "gauge_length", length)
     if setup.crossovers is not None or setup.instead is not None:
         yield from _of_zone(setup)
     if setup.backing is not None:

@@ -39,6 +39,10 @@ MOST_ELEMENTS = 8  # a crossover, by default
 RESOLVED = 0.5  # [failure lengths] an element about the impact point at most, by default
 CARRIED = 1e-3  # [s] for which a block carries free fabric along, at least as measured (docs/reports/backing.md)
 OPENING_ERROR = 1e-3  # [-] of its sides, beyond which it is said
+# [-] of the strength that the fabric states, up to which the last cells of a table hold within 0.2 % of it;
+# tables of stronger yarns, and there are few of them, reach further in steps
+STRONGEST = 1.15
+STRONGER = 0.25
 UNFAILING = (
     20.0  # reach of the table, see CellModel, of yarns that do not fail: 60 % of strain in Kevlar
 )
@@ -267,6 +271,34 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
         except InputError:
             return found
 
+    def failure_in_words(self, drawn: bool) -> str:
+        """Say whether and when yarns fail; `drawn` where each has a strength of its own."""
+        if not self.yarn_failure:
+            return "Yarns do not fail."
+        opening = tuple(np.broadcast_to(self.opening, 2).tolist())
+        strengths = []
+        for ply in range(self.plies):
+            fabric = self.fabric_of(ply)
+            angle = self.weave_angle + self.angle_of(ply)
+            factors = self.find_length_factors(fabric, opening, angle)
+            pairs = zip(fabric.weave.yarns, factors)
+            warp, weft = (yarn.strength * factor for yarn, factor in pairs)
+            words = f"{fabric.name}, warp / weft"
+            if self.length_effect:
+                words += (
+                    f"; {factors[0]:.3g} / {factors[1]:.3g} times that of yarns of "
+                    f"{1e3 * fabric.gauge_length:g} mm, Weibull shape {fabric.weibull_shape:g}"
+                )
+            strengths.append(f"{warp:.0f} / {weft:.0f} N ({words})")
+        rate = "at any strain rate"
+        if self.rate_dependence:
+            rate = "multiplied by what its strain rate makes of it"
+        scatter = "it is the same for all yarns"
+        if drawn:
+            scatter = "each yarn has a drawn strength about it"
+        said = ", ".join(dict.fromkeys(strengths))
+        return f"A yarn fails at its strength, {said}, {rate}; {scatter}."
+
     @property
     def materials(self) -> tuple[Material, ...]:
         """(fabric, laws) of the plies, each once, those of the first ply first."""
@@ -450,6 +482,10 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
         if self.rate_dependence and fabric.strain_rate is not None:
             reach = max(reach, *fabric.strain_rate.strength)
             fabric = fabric.at_high_rate()
+        if self.length_effect and self.yarn_failure:
+            (shortest,) = fabric.length_factors([np.min(self.opening)])
+            if shortest > STRONGEST:
+                reach *= STRONGER * ceil(shortest / STRONGER)
         return CellModel(
             fabric,
             laws,

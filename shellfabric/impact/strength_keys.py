@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from fabrics.base.schema import key, number, quantity, whole
+from fabrics.base.schema import key, number, whole
 
 
 @dataclass(frozen=True)
@@ -14,16 +14,16 @@ class StrengthKeys:
     """The distribution of the strengths; as in `PanelNumbers` a line says all of one."""
 
     weibull_shape: Annotated[
-        float,
+        float | None,
         key(
             number(
-                "shape of the Weibull distribution; 14.3 was measured on yarns of Kevlar 49 of 200 mm",
+                "shape of the Weibull distribution; that of the fabric's yarns if not given, 14.3 assumed",
                 14.3,
                 gt=0.0,
             ),
             "pinned yarns",
         ),
-    ]
+    ] = None
     seed: Annotated[
         int,
         key(
@@ -31,14 +31,3 @@ class StrengthKeys:
             "pinned yarns",
         ),
     ] = 1
-    gauge_length: Annotated[
-        float,
-        key(
-            quantity(
-                "length at which yarns have the strength of the fabric on average: longer yarns are weaker",
-                "m",
-                "200 mm",
-            ),
-            "pinned yarns",
-        ),
-    ] = 0.2

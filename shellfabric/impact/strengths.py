@@ -1,18 +1,17 @@
 """Yarns that differ in strength.
 
-A yarn has one strength T_u all along, of a Weibull distribution of shape m,
+A yarn has one strength T_u all along, of a Weibull distribution of shape m and mean T,
 
-    F(T) = 1 - exp(-(L / L0) (T / T0)^m)
+    F(T_u) = 1 - exp(-(Gamma(1 + 1/m) T_u / T)^m)
 
-over its length L in the panel; at the gauge length L0 its mean T0 Gamma(1 + 1/m) is the strength of
-the fabric's yarn, so that a longer yarn is weaker by (L0 / L)^(1/m). Since the drawn value, that of
+where T is the strength that all yarns of its family have where none is drawn, at their length in the
+panel (`shellfabric.membrane.grid.PanelGrid.strengths`). Since the drawn value, that of
 the weakest place of the whole yarn, is held against its tension everywhere, the yarn is taken as
 weak where the projectile strikes: the limit is on the safe side. Every yarn of every ply is drawn:
 panels are whole.
 
 On a graded panel (`shellfabric.membrane.grading`) the yarns are drawn as on the uniform one; a line
-that stands for several yarns has the strength of the weakest of them. Yarns of an oblique weave
-have the length of the panel's sides, which is the most that they can have.
+that stands for several yarns has the strength of the weakest of them.
 """
 
 from __future__ import annotations
@@ -42,50 +41,49 @@ class YarnStrength(StrengthKeys):
 
     Parameters
     ----------
-    weibull_shape : [-] m; infinite for yarns that are all alike
+    weibull_shape : [-] m; infinite for yarns that are all alike, None for that of each ply's fabric
     seed : of what is drawn, a whole number of at least 0
-    gauge_length : [m] L0, at which the mean of the strengths is that of the fabric
     """
 
     @property
     def words(self) -> str:
         """The distribution, a sentence."""
+        shape = "the fabric's shape"
+        if self.weibull_shape is not None:
+            shape = f"shape {self.weibull_shape:g}"
         return (
-            f"Drawn for each yarn by the seed {self.seed}, of a Weibull distribution of shape {self.weibull_shape:g} "
-            f"at the gauge length {1e3 * self.gauge_length:g} mm."
+            f"Drawn for each yarn by the seed {self.seed}, of a Weibull distribution of {shape} about the strength of "
+            "yarns of its length."
         )
 
     def __post_init__(self):
-        for key in ("weibull_shape", "gauge_length"):
-            if not getattr(self, key) > 0:
-                refuse(self, key, "above 0")
+        if self.weibull_shape is not None and not self.weibull_shape > 0:
+            refuse(self, "weibull_shape", "above 0")
 
 
 def draw_strengths(
-    strength: YarnStrength, number: int, counts: Sequence[int], lengths: Sequence[float]
+    shape: float, seed: int, number: int, counts: Sequence[int]
 ) -> tuple[np.ndarray, ...]:
     """Draw the strength of each yarn of a ply, from the seed and the number of the ply alone.
 
     Parameters
     ----------
+    shape : [-] m; infinite for yarns that are all alike
     counts : (warp, weft) yarns
-    lengths : (warp, weft) [m] of a yarn in the panel
 
     Returns
     -------
-    (warp, weft) (n,) factors on the strength of each yarn
+    (warp, weft) (n,) factors on the strength of each yarn, of mean 1
     """
-    random = np.random.default_rng([strength.seed, number])
+    random = np.random.default_rng([seed, number])
     random.standard_normal(SCATTERED_BEFORE)
-    m = strength.weibull_shape
     factors = []
-    for count, length in zip(counts, lengths):
+    for count in counts:
         uniform = random.uniform(size=count)
-        if m == inf:
+        if shape == inf:
             factors.append(np.ones(count))
             continue
-        mean = (strength.gauge_length / length) ** (1 / m) / gamma(1 + 1 / m)
-        factors.append(mean * (-np.log1p(-uniform)) ** (1 / m))
+        factors.append((-np.log1p(-uniform)) ** (1 / shape) / gamma(1 + 1 / shape))
     return tuple(factors)
 
 
@@ -104,9 +102,11 @@ def with_strengths(
     stride = stride or len(pack.plies)
     for place, ply in enumerate(pack.plies):
         uniform = replace(ply, grading=None)
-        lengths = [count * side for count, side in zip(uniform.counts, uniform.spacing)]
         of_ply = number * stride + place
-        factors = draw_strengths(strength, of_ply, uniform.yarn_counts, lengths)
+        shape = strength.weibull_shape
+        if shape is None:
+            shape = ply.fabric.weibull_shape
+        factors = draw_strengths(shape, strength.seed, of_ply, uniform.yarn_counts)
         if ply.sides is not None:
             factors = of_lines(factors, ply, uniform)
         plies.append(replace(ply, strength_factors=factors))

@@ -302,14 +302,16 @@ def _unpacked(
     lines = panel.lines()
     yarns = []
     for family, element, _ in rows(panel, measure):
-        yarn = weave.yarns[FAMILIES.index(family)]
+        number = FAMILIES.index(family)
+        yarn = weave.yarns[number]
+        strength = panel.strengths[number]
         if family == "warp":
             own, other = lines
         else:
             own, other = lines[::-1]
         offset = 0.5 * (other[element] + other[element + 1])
         X = 0.5 * (own[:-1] + own[1:])
-        known = family, float(offset), yarn.EA, yarn.strength, yarn.crimp, X
+        known = family, float(offset), yarn.EA, strength, yarn.crimp, X
         yarns.append(YarnHistory(*known, take(own.size - 1), take(own.size), take(own.size)))
     edges = {name: take(2) for name in EDGES}
     return Histories(t, tuple(yarns), edges)

@@ -145,8 +145,7 @@ def pull_in(const: Constants, state: State) -> float:
 def critical_strains(panel: Panel, const: Constants, state: State) -> tuple[float, float]:
     """Compute the strains (warp, weft) [-] of the fabric in the element whose yarn bears the largest
     share of its strength at this instant (thesis Figure 5-54)."""
-    strengths = [yarn.strength for yarn in panel.weave.yarns]
-    shares = (yarn_tensions(const, state) / strengths).max(axis=2)
+    shares = (yarn_tensions(const, state) / panel.strengths).max(axis=2)
     i, j = np.unravel_index(int(np.argmax(shares)), shares.shape)
     warp, weft = (by_node(stretch, const) for stretch in state.stretch)
     # the two edges of the element along each family

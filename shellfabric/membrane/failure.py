@@ -32,7 +32,9 @@ def lines_of(panel: PanelGrid) -> tuple[FailureLines, FailureLines]:
     law = panel.rate_law
     for own, yarn in enumerate(panel.weave.yarns):
         across = 1 - own
-        strength = yarn.strength * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
+        strength = (
+            panel.strengths[own] * np.asarray(factors[own], float)[panel.nearest_yarns[across]]
+        )
         if not panel.yarn_failure:
             strength = np.full_like(strength, inf)
         first, weights = mean_weights(x[across], panel.fabric.failure_length, panel.mirrors[across])

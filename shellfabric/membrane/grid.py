@@ -69,7 +69,7 @@ class PanelGrid(PanelSetup):
     bending : (warp, weft) [N m2] bending stiffness of a yarn; none as in the thesis. It lies
         between the sum over its fibres, n E pi d^4 / 64, when they slide, and that of a solid
         section of its fibre area, E A^2 / 4 pi
-    strength_factors : (warp, weft) factors on the strength of each yarn, as many as `yarn_counts`,
+    strength_factors : (warp, weft) factors on `strengths` of each yarn, as many as `yarn_counts`,
         or None where all are alike. They are those of the modelled part: across a plane of symmetry
         a yarn has that of its image
     parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
@@ -213,6 +213,25 @@ class PanelGrid(PanelSetup):
         if self.ply_angle:
             return self.projectile.seen_from(self.ply_angle)
         return self.projectile
+
+    @cached_property
+    def length_factors(self) -> tuple[float, float]:
+        """(warp, weft) [-] strength of the yarns at their length in the panel over the stated one
+        (`find_length_factors`)."""
+        return self.find_length_factors(self.fabric, self.opening, self.weave_angle)
+
+    @property
+    def strengths(self) -> tuple[float, float]:
+        """(warp, weft) [N] mean strength of the yarns, at their length in the panel."""
+        warp, weft = (yarn.strength * at for yarn, at in zip(self.weave.yarns, self.length_factors))
+        return warp, weft
+
+    @property
+    def failure_strains(self) -> tuple[float, float]:
+        """(warp, weft) [-] at `strengths`."""
+        pairs = zip(self.weave.yarns, self.length_factors)
+        warp, weft = (yarn.failure_strain * at for yarn, at in pairs)
+        return warp, weft
 
     @property
     def axes(self) -> FloatArray:
@@ -611,9 +630,7 @@ class PanelGrid(PanelSetup):
         if not self.rate_dependence:
             return np.zeros((2, 3, 0))
         assert self.fabric.strain_rate is not None  # checked by _check_strength
-        return np.array(
-            [self.fabric.strain_rate.table(yarn.failure_strain) for yarn in self.weave.yarns]
-        )
+        return np.array([self.fabric.strain_rate.table(strain) for strain in self.failure_strains])
 
     def reach(self) -> tuple[float, ...]:
         """Compute the distance (along warp, along weft) [m] from the projectile's middle that
@@ -632,7 +649,7 @@ class PanelGrid(PanelSetup):
         extent = self.extent
         for n, (x, step, yarn) in enumerate(zip(self.lines(), self.spacing, self.weave.yarns)):
             longest = max(x[-1], -x[0], 0.5 * extent[n])
-            drawn = (yarn.crimp + yarn.failure_strain) * longest + slips[n]
+            drawn = (yarn.crimp + self.failure_strains[n]) * longest + slips[n]
             ends = self.supports[n]
             if "free" in ends and self.sides is None:
                 drawn = x[-1] - x[0]
@@ -648,8 +665,8 @@ class PanelGrid(PanelSetup):
         times the tangent of its obliquity, or is pushed so by a flat nose that leans.
         """
         depths = []
-        for length, yarn in zip(self.extent, self.weave.yarns):
-            longer = yarn.crimp + yarn.failure_strain
+        for length, yarn, strain in zip(self.extent, self.weave.yarns, self.failure_strains):
+            longer = yarn.crimp + strain
             depths.append(0.5 * length * sqrt(longer * (2 + longer)))
         depth = min(depths) + 2 * self.projectile.radius
         flight = self.shot.flight

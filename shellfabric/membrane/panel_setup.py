@@ -6,10 +6,12 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from fabrics.data_sheet import entries
+from fabrics.fabric import Fabric
 from shellfabric.block.block import Backing
 from shellfabric.membrane import boundary
 from shellfabric.membrane.boundary import Boundary
 from shellfabric.membrane.numerics import Numerics
+from shellfabric.membrane.yarn_lengths import find_yarn_lengths
 from shellfabric.panel_numbers import PanelNumbers
 from shellfabric.projectile.projectile import Projectile
 
@@ -34,6 +36,8 @@ class PanelSetup(PanelNumbers):
         `membrane.packing_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
         the impact point, or None (see `grading`); not with grips at the edges
+    length_effect : whether the strength of a yarn follows its length in the panel
+        (`find_length_factors`); else it is that of the fabric at every length
     yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
         whether they would slip; None takes that which is assumed of the fabric
     others : see `PanelNumbers`
@@ -49,11 +53,30 @@ class PanelSetup(PanelNumbers):
     backing: Backing | None = None
     packed_area: float = entries()["packed_area"].number
     grading: tuple | None = None
+    length_effect: bool = True
     yarn_friction: float | None = None
 
     def of_ply(self) -> dict[str, Any]:
         """Return {name: value} of what each ply has alike."""
         return {entry.name: getattr(self, entry.name) for entry in fields(PanelSetup)}
+
+    def find_length_factors(
+        self, fabric: Fabric, opening: tuple[float, float], weave_angle: float
+    ) -> tuple[float, float]:
+        """Compute the mean strength of the yarns (warp, weft) of a ply at their length in the panel, over
+        that which its fabric states [-]: the one place that scales it.
+
+        Parameters
+        ----------
+        opening, weave_angle : of the ply
+        """
+        if not self.length_effect:
+            return 1.0, 1.0
+        lengths = find_yarn_lengths(
+            fabric.weave, opening, weave_angle, self.impact_point, self.round
+        )
+        warp, weft = fabric.length_factors(lengths)
+        return warp, weft
 
     @property
     def frame_in_words(self) -> tuple[str, ...]:

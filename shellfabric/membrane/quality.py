@@ -393,7 +393,7 @@ class Monitor:
         self.fastest = np.zeros(len(solver.plies))
         plies = solver.pack.plies
         self._places = [ply.nearest_lines for ply in plies]
-        self._light = [tuple(LIGHT * yarn.strength for yarn in ply.weave.yarns) for ply in plies]
+        self._light = [tuple(LIGHT * strength for strength in ply.strengths) for ply in plies]
 
     def sampled(self, solver: Any) -> None:
         """Take a sample at every EVERY-th sample of the solver."""
@@ -620,7 +620,7 @@ def _extrapolation(panel, state):
             )
         )
     else:  # the step in which a yarn fails may go beyond its strength, and no further
-        peaks = np.minimum(peaks, [yarn.strength for yarn in panel.weave.yarns])
+        peaks = np.minimum(peaks, panel.strengths)
     return (*found, *of_cell(table, peaks))
 
 

@@ -303,10 +303,9 @@ class YarnPanel(Panel):
         i0, j0 = self.corner
         # numbers of grid lines, of those that are images below 0
         rows, columns = np.arange(i0 + 1, i1), np.arange(j0 + 1, j1)
-        factors = None
-        if self.strength_factors is not None:
-            warp, weft = self.strength_factors
-            factors = (np.asarray(warp)[abs(columns)], np.asarray(weft)[abs(rows)])
+        drawn = self.strength_factors or tuple(np.ones(count) for count in self.yarn_counts)
+        warp, weft = (at * np.asarray(own) for at, own in zip(self.length_factors, drawn))
+        factors = (warp[abs(columns)], weft[abs(rows)])
         whole = self.resolved.width == inf
         x, y = (
             float(np.sign(first) * lines[abs(first)])

@@ -41,6 +41,8 @@ def make_panel(side=0.03048, *, cell_formulation="variational", **changes):
     defaults = {
         "table": changes["table"] if "table" in changes else table(cell_formulation),
         "opening": (side, side),
+        # the criterion is tested by the strength of the fabric's yarns
+        "length_effect": False,
     }
     return Panel(**defaults | changes)
 

@@ -62,6 +62,7 @@ def march(
         projectile=PROJECTILE,
         boundary=boundary,
         yarn_failure=False,
+        length_effect=False,
         elements_per_crossover=elements,
         backing=block,
         opening=opening,

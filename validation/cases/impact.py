@@ -265,7 +265,7 @@ def found(result: ImpactResult, keywords: Values) -> Values:
             "energies": energies,
             "peak": np.array(result.peak_tension) / yarns,
             "fronts": speeds,
-            "strength": np.array([yarn.strength for yarn in result.setup.fabric.weave.yarns]),
+            "strength": np.array(result.panel.strengths),
             "flags": flags(result.checks),
             "kinetic": kinetic,
             "torn_plies": int(np.count_nonzero(result.plies["cut_yarns"][-1])),

@@ -112,7 +112,7 @@ def setup(
     """
     change = change or {}
     used = changed_fabric(fabric, **change)
-    keywords = {"elements_per_crossover": 1} | keywords
+    keywords = {"elements_per_crossover": 1, "length_effect": False} | keywords
     if wider is not None:
         keywords["ply_gap"] = ply_gap(used, ply_laws.default(used)).value + wider
     keywords["projectile"] = PROJECTILE
@@ -199,7 +199,11 @@ def shots(
 def net(fabric: str, velocity: float, **change: Any) -> NetResult:
     """Fire one impact on the pin-jointed cable net of a fabric (`changed_fabric`)."""
     made = ImpactSetup(
-        changed_fabric(fabric, **change), velocity, end_time=800e-6, elements_per_crossover=1
+        changed_fabric(fabric, **change),
+        velocity,
+        end_time=800e-6,
+        elements_per_crossover=1,
+        length_effect=False,
     )
     return CableNet(made).run()
 
@@ -307,7 +311,13 @@ def stability(fabric: str, velocity: float, *, factor: float, end_time: float) -
 def pace(fabric: str, velocity: float) -> SimpleNamespace:
     """Time shell and cable net over 250 us of the same impact, CPU time [s] of the steps, run three
     times in turns; the least."""
-    made = ImpactSetup(changed_fabric(fabric), velocity, end_time=250e-6, elements_per_crossover=1)
+    made = ImpactSetup(
+        changed_fabric(fabric),
+        velocity,
+        end_time=250e-6,
+        elements_per_crossover=1,
+        length_effect=False,
+    )
     shell = []
     cable = []
     for _ in range(3):

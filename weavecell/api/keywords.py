@@ -84,6 +84,10 @@ class Keywords(TypedDict, total=False):
         such as "45 deg"
     ply : plies one by one, in place of `plies`; tables [[panel.ply]]
     strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
+    length_effect : whether the strength of a yarn follows its length from edge to edge: the stated
+        strength is that of yarns of the gauge length of the fabric, 200 mm if its file gives none,
+        and longer ones are weaker; false: it is that of the yarns in the panel, as in the thesis;
+        true or false
     grading : coarser mesh with the distance from the impact point: zones of distance and element
         side, in crossovers; zones [until, side] in crossovers, the last until inf, such as [[9,
         "1/2"], [20, 1], [inf, 2]]
@@ -142,6 +146,7 @@ class Keywords(TypedDict, total=False):
     weave_angle: Quantity
     ply: list[Mapping[str, Any]] | tuple[Mapping[str, Any], ...]
     strength: Mapping[str, Quantity] | None
+    length_effect: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
     crossovers: Literal["pinned", "yarns", "auto"]
     plies: int

@@ -374,11 +374,14 @@ class V50Result(StudyResult):
         remarks.append(f"{study.six_shots.words()}.")
         fastest = max(stops, default=nan)
         slowest = min(perforations, default=nan)
+        shape = scatter.shape
+        if shape is None:
+            shape = self.target.setup.fabric.weibull_shape
         remarks += [
             f"{counted(len(shots), 'shot')} in rounds of {self.batch}, {len(perforations)} perforated, seed "
             f"{self.seed}; slowest perforation {slowest:.1f} m/s, fastest stop {fastest:.1f} m/s; largest energy error "
             f"{100 * study.summary()['energy_error_max']:.2g} %.",
-            f"Weibull shape {scatter.shape:g} at {1e3 * scatter.gauge_length:g} mm; standard deviation of the modulus "
+            f"Weibull shape {shape:g}; standard deviation of the modulus "
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
         ]
         remarks += [f"Without an outcome: {failure}." for failure in study.failures]
@@ -424,7 +427,10 @@ class V50Result(StudyResult):
 
         study = self.study
         given = []
-        for name, entry in (inputs.table("weibull") | inputs.table("spread")).items():
+        of_yarns = self.target.setup.fabric.sources
+        for name in ("gauge_length", "weibull_shape"):
+            given.append({"name": name, **of_yarns[name]})
+        for name, entry in inputs.table("spread").items():
             numbers = {"name": name, "value": entry.value}
             given.append(numbers | {"source": entry.source, "status": entry.status})
         content = {

@@ -131,7 +131,7 @@ class ImpactRecord(ImpactData):
             mirror_x=result.mirrored[0],
             mirror_y=result.mirrored[1],
             elements=sum(panel.elements for panel in panels),
-            strength=np.array([[yarn.strength for yarn in panel.weave.yarns] for panel in panels]),
+            strength=np.array([panel.strengths for panel in panels]),
             peak_tension=result.peaks[..., 0],
             peak_tension_time=result.peaks[..., 1],
             peak_tension_place=result.peaks[..., 2:],

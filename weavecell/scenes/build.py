@@ -158,6 +158,10 @@ def material(
         fails = getattr(getattr(scene, "test_table", None), "failure", False)
     else:
         fails = panel.yarn_failure
+    gauge_length = panel and panel.strength and panel.strength.gauge_length
+    if gauge_length is not None:
+        number = plausible.Number("panel.strength.gauge_length", "gauge_length", gauge_length)
+        fabric = plausible.noted(replace(fabric, gauge_length=gauge_length), [number], file=file)
     # of no use without failure
     if not fails:
         fabric = assumed.given(fabric, "failure_length", data_sheet.STRENGTH_AFTER_WEAVING)
@@ -443,7 +447,8 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
             "boundary": _boundary(panel.boundary),
             "round": panel.opening_shape == "round",
             "backing": _backing(scene.backing),
-            "strength": panel.strength and YarnStrength(**panel.strength.model_dump()),
+            "strength": panel.strength
+            and YarnStrength(panel.strength.weibull_shape, panel.strength.seed),
             "history": scene.history
             and HistoryRequest(**_collect_given(scene.history, "report_positions")),
             "numerics": Numerics(**_collect_given(scene.numerics)),

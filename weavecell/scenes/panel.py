@@ -17,9 +17,10 @@ from pydantic import (
 )
 
 from fabrics.base.counted import counted
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import (
     TEXT_OR_TWO,
+    NoPlace,
     StandardShot,
     Table,
     Unread,
@@ -27,6 +28,7 @@ from fabrics.base.schema import (
     as_tuple,
     declared,
     described,
+    flag,
     from_text,
     list_read,
     list_unread,
@@ -177,6 +179,13 @@ class StrengthTable(Table, StrengthKeys):  # type: ignore[misc] # frozen by its 
     weibull_shape = 14.3
     seed = 1
     """
+
+    gauge_length: quantity(
+        "length of the yarns that have the stated strength on average, in place of that of the fabrics: longer "
+        "yarns are weaker",
+        "m",
+        "200 mm",
+    ) = None
 
 
 BESIDE_ANGLES = "if a ply is at another angle than 0 and 90 deg"
@@ -331,6 +340,15 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("v50", "left out: a V50 draws the strengths itself"),
         Unread("patch", "left out: the yarns of a patch are all alike"),
     ] = None
+    length_effect: Annotated[
+        flag(
+            "whether the strength of a yarn follows its length from edge to edge: the stated strength is that of yarns "
+            "of the gauge length of the fabric, 200 mm if its file gives none, and longer ones are weaker "
+            "([strength](../reports/yarns.md)); false: it is that of the yarns in the panel, as in the thesis"
+        ),
+        NoPlace("export", "nothing breaks"),
+        Unread("patch", "left out: the yarns of a patch have the strength that the fabric states"),
+    ] = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
         BeforeValidator(_zones),
@@ -403,6 +421,9 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
                 raise InputError(key=name, allowed="left out for a single ply")
         if self.weave_angle != 0:
             self.refuse("stacking", "aligned if the weave is oblique")
+        if not self.length_effect and self.strength is not None:
+            with placed(None, "strength."):
+                self.strength.refuse("gauge_length", "left out with length_effect = false")
         return self
 
     @model_validator(mode="after")

@@ -41,27 +41,25 @@ class Scatter:
 
     Parameters
     ----------
-    shape : [-] Weibull modulus of the yarns' strength; infinite for yarns that are all alike
-    gauge_length : [m] at which the mean of the strengths is that of the fabric
+    shape : [-] Weibull modulus of the yarns' strength; infinite for yarns that are all alike, None
+        for that of each fabric
     modulus, crimp : [-] standard deviation over mean from panel to panel
     """
 
-    shape: float = inf
-    gauge_length: float = 0.2
+    shape: float | None = inf
     modulus: float = 0.0
     crimp: float = 0.0
 
     def __post_init__(self):
-        for key in ("shape", "gauge_length"):
-            if not getattr(self, key) > 0:
-                refuse(self, key, "above 0")
+        if self.shape is not None and not self.shape > 0:
+            refuse(self, "shape", "above 0")
         fraction(self, "modulus", "crimp")
         plausible.judge(self.numbers())
 
     def numbers(self) -> Iterator[plausible.Number]:
         """Return the numbers that are compared with plausible ranges."""
         # yarns that are all alike have no scatter
-        if self.shape < inf:
+        if self.shape is not None and self.shape < inf:
             yield plausible.Number("weibull_shape", "weibull_shape", self.shape)
         yield plausible.Number("modulus_cov", "cov", self.modulus)
         yield plausible.Number("crimp_cov", "cov", self.crimp)
@@ -88,9 +86,8 @@ def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
 
 
 def read_scatter() -> Scatter:
-    """Read the scatter of inputs.toml."""
-    entries = table("weibull") | table("spread")
-    return Scatter(**{name: entry.value for name, entry in entries.items()})
+    """Read the scatter of inputs.toml; strengths scatter as the fabric's yarns do."""
+    return Scatter(None, **{name: entry.value for name, entry in table("spread").items()})
 
 
 def scale_fabric(fabric: Fabric, **factors: float) -> Fabric:

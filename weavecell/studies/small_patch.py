@@ -248,6 +248,8 @@ class SmallPatch:
             snapshot_interval=None,
             history=None,
             strength=None,
+            # its yarns stand for those of a panel
+            length_effect=False,
             rate_dependence=False,
             grading=None,
             bending=0.0,

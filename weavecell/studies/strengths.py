@@ -77,7 +77,7 @@ def draw_panel(
         pack = whole.target(whole.table(kept=True))
     else:
         pack = scale_setup(whole, **factors).target()
-    strength = YarnStrength(scatter.shape, seed, scatter.gauge_length)
+    strength = YarnStrength(scatter.shape, seed)
     pack = with_strengths(pack, strength, number, stride)
     drawn_strengths = [ply.strength_factors or () for ply in pack.plies]
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))

@@ -63,13 +63,13 @@ def test_strength_of_each_yarn():
         np.random.default_rng(3).uniform(0.7, 1.3, count) for count in make_panel().yarn_counts
     )
     const = make_panel(strength_factors=factors).constants()
-    for lines, factor, yarn, half in zip(
+    for lines, factor, mean, half in zip(
         (const.warp_lines, const.weft_lines),
         factors,
-        make_panel().weave.yarns,
+        make_panel().strengths,
         (const.half_strength1, const.half_strength2),
     ):
-        assert_allclose(lines.strength, factor * yarn.strength, rtol=1e-15)
+        assert_allclose(lines.strength, factor * mean, rtol=1e-15)
         assert half == 0.5 * lines.strength.min()
     assert np.isposinf(make_panel(yarn_failure=False).constants().warp_lines.strength).all()
 

@@ -218,8 +218,8 @@ def test_the_check_of_several_set_ups_says_whose_a_choice_is():
 def test_the_check_of_a_comparison_names_a_and_b():
     size = wc.compare("S-720", "S-728", opening="20 mm", check=True)
     strengths = [words for of, words in size.said.assumptions if of.startswith("failure of yarns")]
-    assert ["318 / 318 N" in strengths[0], "341 / 341 N" in strengths[1]] == [True, True]
-    assert "failure of yarns (B): A yarn fails at its strength, 341" in str(size)
+    assert ["374 / 374 N" in strengths[0], "400 / 400 N" in strengths[1]] == [True, True]
+    assert "failure of yarns (B): A yarn fails at its strength, 400" in str(size)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")

@@ -15,7 +15,7 @@ from weavecell.studies import inputs, strengths
 from weavecell.studies.inputs import Scatter
 
 # no two spreads are alike
-SCATTER = Scatter(shape=12.0, gauge_length=0.15, modulus=0.05, crimp=0.2)
+SCATTER = Scatter(shape=12.0, modulus=0.05, crimp=0.2)
 MANY = 20_000
 
 

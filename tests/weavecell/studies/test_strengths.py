@@ -37,8 +37,7 @@ def test_every_yarn_of_every_ply_is_drawn(setup):
     drawn = strengths.draw_panel(given, ALIKE_BUT_STRENGTH, 7, 3)
     first, second = drawn.pack.plies
     for p, ply in enumerate((first, second)):
-        lengths = [n * d for n, d in zip(ply.counts, ply.spacing)]
-        wanted = draw_strengths(YarnStrength(14.3, 7), 6 + p, ply.yarn_counts, lengths)
+        wanted = draw_strengths(14.3, 7, 6 + p, ply.yarn_counts)
         assert_array_equal(ply.strength_factors[0], wanted[0])
     assert drawn.weakest[0] == min(ply.strength_factors[0].min() for ply in (first, second))
     assert not np.isin(second.strength_factors[0], first.strength_factors[0]).any()

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fabrics import catalogue
 from shellfabric.cell.model import CellModel
 from shellfabric.impact.setup import ImpactSetup, Ply
-from shellfabric.impact.strengths import YarnStrength, draw_strengths
+from shellfabric.impact.strengths import draw_strengths
 from shellfabric.membrane import failure_kernels
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.slots import by_node
@@ -74,16 +74,17 @@ def test_changed_fabric(fabric):
     assert heavy.shear.G2 == pytest.approx(1.2 * fabric.shear.G2)
 
 
-def test_drawn_strengths(fabric):
-    """Mean of the fabric's strength at the gauge length, the known deviation, and weaker by length^(-1/m)."""
+def test_drawn_strengths():
+    """Scatter alone: of mean 1 and the known deviation, whatever the length of the yarns."""
     m = 14.3
     n = 200_000
-    short, long = draw_strengths(YarnStrength(m), 0, (n, n), (0.2, 0.4))
+    warp, weft = draw_strengths(m, 0, 0, (n, n))
     deviation = (gamma(1 + 2 / m) / gamma(1 + 1 / m) ** 2 - 1) ** 0.5
-    assert short.mean() == pytest.approx(1.0, abs=1e-3)
-    assert short.std() == pytest.approx(deviation, rel=0.01)
-    assert long.mean() == pytest.approx(0.5 ** (1 / m), abs=1e-3)
-    plain = draw_strengths(YarnStrength(np.inf), 0, (3, 4), (0.2, 0.2))
+    for factors in (warp, weft):
+        assert factors.mean() == pytest.approx(1.0, abs=1e-3)
+        assert factors.std() == pytest.approx(deviation, rel=0.01)
+    assert not np.array_equal(warp, weft)
+    plain = draw_strengths(np.inf, 0, 0, (3, 4))
     assert all((part == 1).all() for part in plain)
 
 
@@ -96,14 +97,14 @@ def test_each_yarn_has_its_own_strength(panel, per):
     panel = replace(panel, strength_factors=factors)
     const = panel.constants()
     state = panel.state(1.0)
-    strengths = tuple(yarn.strength * part for yarn, part in zip(panel.weave.yarns, factors))
+    strengths = tuple(mean * part for mean, part in zip(panel.strengths, factors))
     assert (const.half_strength1, const.half_strength2) == tuple(
         0.5 * each.min() for each in strengths
     )
     for family, lines in enumerate((const.warp_lines, const.weft_lines)):
         yarns = panel.nearest_yarns[1 - family]
         assert_allclose(lines.strength, strengths[family][yarns], rtol=1e-15)
-        state.T[family][:] = panel.weave.yarns[family].strength
+        state.T[family][:] = panel.strengths[family]
         for _ in range(100):
             failure_kernels.find_failures(const, state, family, 0, const.ni + family)
         failed = by_node(state.failed[family], const)
