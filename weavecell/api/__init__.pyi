@@ -39,6 +39,8 @@ from weavecell.api.meshes import MeshResult as MeshResult
 from weavecell.api.meshes import mesh as mesh
 from weavecell.api.patches import PatchResult as PatchResult
 from weavecell.api.patches import patch as patch
+from weavecell.api.pull_outs import PullOutFriction as PullOutFriction
+from weavecell.api.pull_outs import reduce_pull_out as reduce_pull_out
 from weavecell.api.reduction import CompressionRecords as CompressionRecords
 from weavecell.api.reduction import ShotRecord as ShotRecord
 from weavecell.api.reduction import reduce_compression as reduce_compression

@@ -112,6 +112,40 @@ RECORDS = {
     "four.csv": ("force [N], displacement [mm]", lambda k: (9.0 * k**2, 0.43 * k / (k + 3))),
     "rig.csv": ("force [N], displacement [mm]", lambda k: (9.0 * k**2, 0.0004 * k)),
 }
+PULLED = "displacement [mm],force [N]\n" + "".join(
+    f"{0.1 * k:.1f},{0.4 * min(k, 10) - 0.01 * k:.3f}\n" for k in range(40)
+)
+
+
+def test_an_option_of_pull_outs_is_refused_or_makes_another_result(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("ten.csv").write_text(PULLED)
+    Path("twenty.csv").write_text(PULLED.replace("force [N]", "force [lbf]"))
+    Path("law.json").write_text('{"a": 4.45e-5, "b": 6.47e-5}')
+    usual = {"crossings": 10, "more": ["20=twenty.csv"], "tension": "1 N"}
+
+    def reduced(**changed):
+        found = wc.reduce_pull_out("S-728", "ten.csv", **usual | changed)
+        return repr(found.summary()) + found.to_dataframe().to_csv()
+
+    made = [reduced()]
+    for option, value in {
+        "crossings": 8,
+        "more": ["24=twenty.csv"],
+        "tension": 0.0,
+        "pulled": "fill",
+        "law": CompressionLaw(4e-5, 6e-5),
+    }.items():
+        made.append(reduced(**{option: value}))
+        for wrong in ("nonsense", -1):
+            with pytest.raises(InputError):
+                reduced(**{option: wrong})
+    assert len(set(made)) == len(made)
+    for wrong in ("nonsense", -1):
+        with pytest.raises(InputError, match="bending"):
+            reduced(bending=wrong)
+
+
 REDUCED = {
     "reduce_shot": ("flight.csv", {"mass": "3 g"}, {"mass": "5 g", "bandwidth": "20 kHz"}),
     "reduce_compression": (

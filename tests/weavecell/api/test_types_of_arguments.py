@@ -42,6 +42,7 @@ LEAST = {
     "impact": ("S-720", "140 m/s", SMALL),
     "mesh": ("S-720",),
     "patch": ("S-720", "140 m/s", {"opening": "26 mm"}),
+    "reduce_pull_out": ("S-728", "peaks.csv"),
     "reduce_tests": ("tests.csv",),
     "surface": ("S-720",),
     "sweep": ("S-720", {"over": {"projectile.strike_velocity": ["90 m/s", "140 m/s"]}}),
