@@ -364,10 +364,8 @@ class _Wanted:
     @property
     def words(self) -> str:
         """The columns, for messages."""
-        words = " and ".join(self.needed)
-        if self.either:
-            words += f", and {' or '.join(self.either)}"
-        return words
+        parts = (" and ".join(self.needed), " or ".join(self.either))
+        return ", and ".join(filter(None, parts))
 
     @property
     def advice(self) -> str:

@@ -239,7 +239,7 @@ class PullOutFriction(DrawnResult):
         found = [LeftOut(left_out.DATA, "crimp and law of the fabric", rests)]
         if self.friction.is_flexible:
             text = "bending of the yarns, without which the load hardly grows with the tension"
-            settle = f"give {option('bending')}, if it was measured"
+            settle = f"give {option('bending', '')}, if it was measured"
             found.append(LeftOut(left_out.MODEL, "bending of the yarns", text, settle))
         return tuple(found)
 
@@ -351,7 +351,8 @@ class PullOutFriction(DrawnResult):
             return "\n".join(lines) + "\n"
         spread = ""
         if found.mu_interval is not None:
-            spread = f"  # {self._say_friction()}"
+            half = found.mu_interval[1] - found.mu
+            spread = f'  # range of {100 * self._confidence:.0f} %: "{found.mu:.3f} ± {half:.3f}"'
         lines += [
             "[panel]",
             'crossovers = "yarns"',

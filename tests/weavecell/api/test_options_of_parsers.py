@@ -9,18 +9,30 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, SHOTS, call
+from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, PEAKS, SHOTS, call
 from weavecell.api.crossover import CaseKeywords
 from weavecell.api.meshes import Geometry
 
 STUDIES = {"critical_velocity", "v50", "compare", "sweep", "impact"}
 # how a command is run, not what; and its input, which other tests change
-NOT_WALKED = {"check", "out", "resume", "jobs", "executor", "fabric", "target", "tests", "path"}
+NOT_WALKED = {
+    "check",
+    "out",
+    "resume",
+    "jobs",
+    "executor",
+    "fabric",
+    "target",
+    "tests",
+    "path",
+    "record",
+}
 SHARED = {"CaseKeywords": CaseKeywords, "Geometry": Geometry}
 # a value that is no default, of each option
 OTHER = {
     "assumed_range": False,
     "bars": 7,
+    "bending": "1e-6 N m^2",
     "biaxial": "none.csv",
     "centreline": "straight",
     "compare_3d": "coarse",
@@ -41,6 +53,7 @@ OTHER = {
     "friction": 0.17,
     "law": "none.toml",
     "mesh": "3,2,2",
+    "more": ["20=peaks.csv"],
     "overlap": "refuse",
     "patch": "3x2",
     "platen_curve": "none.csv",
@@ -48,11 +61,13 @@ OTHER = {
     "points": 11,
     "pressure": "3 MPa",
     "pull": "0.02 mm",
+    "pulled": "weft",
     "ratio": ["3:2"],
     "reduced_integration": True,
     "section": "ellipse",
     "shear_angle": "0.3 rad",
     "struck": "crossover",
+    "tension": "3 N",
     "test": "uniaxial",
     "tip_thickness_ratio": 0.3,
     "tolerance": "3 m/s",
@@ -90,6 +105,7 @@ def plan_of(name, changed):
 def test_an_option_is_refused_by_its_name_or_makes_another_plan(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("tests.csv").write_text(SHOTS)
+    Path("peaks.csv").write_text(PEAKS)
     usual = plan_of(name, {})
     # what is compared has no address of an object
     assert plan_of(name, {}) == usual
@@ -112,40 +128,6 @@ RECORDS = {
     "four.csv": ("force [N], displacement [mm]", lambda k: (9.0 * k**2, 0.43 * k / (k + 3))),
     "rig.csv": ("force [N], displacement [mm]", lambda k: (9.0 * k**2, 0.0004 * k)),
 }
-PULLED = "displacement [mm],force [N]\n" + "".join(
-    f"{0.1 * k:.1f},{0.4 * min(k, 10) - 0.01 * k:.3f}\n" for k in range(40)
-)
-
-
-def test_an_option_of_pull_outs_is_refused_or_makes_another_result(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("ten.csv").write_text(PULLED)
-    Path("twenty.csv").write_text(PULLED.replace("force [N]", "force [lbf]"))
-    Path("law.json").write_text('{"a": 4.45e-5, "b": 6.47e-5}')
-    usual = {"crossings": 10, "more": ["20=twenty.csv"], "tension": "1 N"}
-
-    def reduced(**changed):
-        found = wc.reduce_pull_out("S-728", "ten.csv", **usual | changed)
-        return repr(found.summary()) + found.to_dataframe().to_csv()
-
-    made = [reduced()]
-    for option, value in {
-        "crossings": 8,
-        "more": ["24=twenty.csv"],
-        "tension": 0.0,
-        "pulled": "fill",
-        "law": CompressionLaw(4e-5, 6e-5),
-    }.items():
-        made.append(reduced(**{option: value}))
-        for wrong in ("nonsense", -1):
-            with pytest.raises(InputError):
-                reduced(**{option: wrong})
-    assert len(set(made)) == len(made)
-    for wrong in ("nonsense", -1):
-        with pytest.raises(InputError, match="bending"):
-            reduced(bending=wrong)
-
-
 REDUCED = {
     "reduce_shot": ("flight.csv", {"mass": "3 g"}, {"mass": "5 g", "bandwidth": "20 kHz"}),
     "reduce_compression": (
