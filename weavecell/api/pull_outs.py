@@ -365,11 +365,12 @@ class PullOutFriction(DrawnResult):
 
     def check_keys(self) -> None:
         """Refuse a friction that the key of an input file does not allow."""
-        written = parse_toml(self.keys).get("panel")
-        if written is None:
+        mu = self.friction.mu
+        if mu is None:
             return
+        written = parse_toml(self.keys)["panel"]
         validated(PanelTable, {"opening": "100 mm", **written}, None)
-        number = plausible.Number("panel.crossover_friction", "friction", self.friction.mu)
+        number = plausible.Number("panel.crossover_friction", "friction", mu)
         quantities.note([number])
 
     def draw(self, pyplot: Any) -> Figure:

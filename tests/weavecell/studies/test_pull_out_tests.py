@@ -118,7 +118,7 @@ def groups_of(tests, cell):
 
 
 def test_the_friction_of_noisy_peaks_is_within_its_interval(cell):
-    """Five repeats of 10 % at 10 and 20 crossings; of 200 noises 180 intervals have the truth (docs/coupons.md)."""
+    """Five repeats of 10 % at 10 and 20 crossings; of 100 noises 89 intervals have the truth."""
     fits = [studies.fit(groups_of(repeated(noise), cell), USUAL) for noise in range(50, 54)]
     mus = np.array([fit.mu for fit in fits])
     assert abs(mus.mean() - MU) < 0.015
