@@ -201,7 +201,7 @@ def read(
     rows = [_row(found, line, cells, spacing, usual) for line, cells in found.rows()]
     if "peak" in found.cells:
         return [
-            PullOutTest(row["test"] or f"{number}", *row["group"], row["load"])
+            PullOutTest(row["test"] or f"{number}", *row["group"], row["load"])  # type: ignore[call-arg]
             for number, row in enumerate(rows, 1)
         ]
     return [_record(path, number, part) for number, part in enumerate(_split(rows), 1)]
