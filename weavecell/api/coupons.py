@@ -349,8 +349,8 @@ def table_of(case: Case, pulled: str = "warp") -> CellTable:
         fabric, laws = rotated_90(fabric), laws[::-1]
     # what a yarn that is drawn out rubs on are all its crossings, in the mean
     drawn_out = case.scene.test == "pull_out"
-    cell: Any = build.cell_of(case.scene.fabric)
-    model = CellModel(fabric, laws, *cell, mean_crossing=drawn_out)
+    gap, kind, form = build.cell_of(case.scene.fabric)
+    model = CellModel(fabric, laws, gap, kind, form, mean_crossing=drawn_out)
     return model.table(coupon_results.TABLE_SIZE)
 
 
