@@ -35,7 +35,7 @@ SECTIONS = {
         "reduce_shot",
         "patch",
     ),
-    "Tests of materials": ("coupon", "biaxial", "reduce_compression"),
+    "Tests of materials": ("coupon", "biaxial", "reduce_compression", "reduce_pull_out"),
     "The 3D crossover": (
         "mesh",
         "calibrate",

@@ -32,6 +32,8 @@ from fabrics.base.files import control_character, read_text
 from fabrics.base.units import NUMBER, decimal_comma, refused, si
 
 LOG = logging.getLogger("weavecell")
+# a column of counts, which have no unit
+COUNTS = "counts"
 # kinds of columns that hold no numbers alone: any text, and texts of a number with its unit
 WORDS = "words"
 QUANTITIES = "quantities"
@@ -63,6 +65,34 @@ SYNONYMS = {
     "outcome": ("result", "penetration"),
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
+    # of pull-outs
+    "test": ("specimen", "sample", "test no", "specimen no", "sample no", "repeat"),
+    "pulled": ("pulled yarn", "yarn pulled", "direction", "yarn"),
+    "crossings": (
+        "crossovers",
+        "number of crossings",
+        "number of crossovers",
+        "crossing yarns",
+        "crossed yarns",
+        "yarns crossed",
+    ),
+    "length": ("embedded length", "pull out length", "specimen length", "sample length"),
+    "tension": ("pre tension", "pretension", "transverse tension", "tension of crossing yarns"),
+    "transverse load": ("transverse force", "lateral load", "lateral force"),
+    "peak": (
+        "peak load",
+        "peak force",
+        "maximum load",
+        "maximum force",
+        "max load",
+        "max force",
+        "max. load",
+        "max. force",
+        "pull out load",
+        "pull out force",
+        "pullout load",
+        "pullout force",
+    ),
     # of data sheets
     "key": ("property", "characteristic", "parameter"),
     "warp": ("ends",),
@@ -189,7 +219,7 @@ def read_table(
 
     Parameters
     ----------
-    kinds : {name: SI unit, WORDS or QUANTITIES} of the columns
+    kinds : {name: SI unit, COUNTS, WORDS or QUANTITIES} of the columns
     either : names of which the file has one, not all
     optional : names that it may lack
     others : see `read_columns`
@@ -334,10 +364,8 @@ class _Wanted:
     @property
     def words(self) -> str:
         """The columns, for messages."""
-        words = " and ".join(self.needed)
-        if self.either:
-            words += f", and {' or '.join(self.either)}"
-        return words
+        parts = (" and ".join(self.needed), " or ".join(self.either))
+        return ", and ".join(filter(None, parts))
 
     @property
     def advice(self) -> str:
@@ -417,6 +445,8 @@ class _Wanted:
             bracket = _IN_BRACKETS.fullmatch(cell)
             if bracket:
                 cell = bracket[1].strip()
+            if not cell and self.kinds[column.name] == COUNTS:
+                continue
             if not cell or NUMBER.fullmatch(cell):
                 return {}
             try:
@@ -437,6 +467,8 @@ class _Wanted:
         for column in self._numbers(columns):
             name = column.name
             units = [unit for unit in (column.unit, units_below.get(name, "")) if unit]
+            if not units and self.kinds[name] == COUNTS:
+                units = ["-"]
             if not units:
                 raise self._refusal(column, self.advice, "has no unit")
             of_each = {_scale(unit, self.kinds[name], self.path, name) for unit in units}
@@ -459,6 +491,8 @@ class _Wanted:
 def _scale(written, unit, path=None, name=None):
     """SI value of one of a unit, as instruments write it; InputError if it is none of `unit`."""
     folded = plain_unit(written.lower())
+    if unit == COUNTS:
+        unit = ""
     # a dash, or one length over another
     if not folded and not unit:
         return 1.0

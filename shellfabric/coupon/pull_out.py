@@ -22,9 +22,11 @@ cohesion is what it begins with. Yarns that resist bending press back (`contact_
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -76,22 +78,23 @@ class PullOut:
             raise InputError(
                 key="cell_formulation", value=self.table.model.cell_formulation, allowed=allowed
             )
-        for key in ("crossover_friction", "crossover_cohesion"):
-            if key == "crossover_friction":
-                value = self.friction
-            else:
-                value = self.cohesion
-            if not 0 <= value < inf:
-                raise InputError(key=key, value=value, allowed="at least 0")
+        self._check_friction()
         if not min(self.bending) >= 0:
             refuse(self, "bending", "at least 0")
-        if self.crossings < 1:
-            refuse(self, "crossings", "at least 1")
         if not 0 <= self.pre_tension < self.table.model.fabric.weave.weft.strength:
             allowed = "at least 0 and below the strength of the crossing yarns"
             refuse(self, "pre_tension", allowed)
         if self.tensions.min() > 0:
             self._refuse_tension()
+
+    def _check_friction(self):
+        """Refuse friction, cohesion or crossings out of their range."""
+        numbers = {"crossover_friction": self.friction, "crossover_cohesion": self.cohesion}
+        for key, value in numbers.items():
+            if not 0 <= value < inf:
+                raise InputError(key=key, value=value, allowed="at least 0")
+        if self.crossings < 1:
+            refuse(self, "crossings", "at least 1")
 
     def _refuse_tension(self):
         """Refuse a yarn that is nowhere slack, by what keeps it in tension."""
@@ -142,10 +145,35 @@ class PullOut:
         return np.where(found < least, 0.0, found)
 
     @cached_property
+    def contact_forces(self) -> FloatArray:
+        """(n1,) [N] contact force of a crossover at the stretches of the table."""
+        return self._along_yarn(contact_force.stiff_table(self.table, self.bending))
+
+    @cached_property
     def thresholds(self) -> FloatArray:
         """(n1,) [N] friction of a crossover at the stretches of the table."""
-        forces = contact_force.stiff_table(self.table, self.bending)
-        return self.cohesion + self.friction * self._along_yarn(forces)
+        return self.cohesion + self.friction * self.contact_forces
+
+    def changed(self, **fields: Any) -> PullOut:
+        """Return the pull-out with other crossings, mu or cohesion; what does not depend on these is
+        not computed again."""
+        other = copy(self)
+        for name in ("friction", "thresholds", "peak"):
+            vars(other).pop(name, None)
+        vars(other).update(fields)
+        other._check_friction()
+        return other
+
+    @cached_property
+    def peak(self) -> float:
+        """[N] highest load: all crossovers slide, and the tail begins to move.
+
+        Raises
+        ------
+        InputError : more crossovers than the yarn can be drawn through
+        """
+        at_tail = self.stretch_ahead(np.full(1, self.slack), at_tail=True)
+        return float(self.tension(self.stretches(at_tail)[0, -1]))
 
     @property
     def slack(self) -> float:

@@ -43,6 +43,7 @@ INPUTS = {
     "pull.toml": PULL,
     "tests.csv": "velocity [m/s], outcome, residual velocity [m/s]\n80, PP, 0\n120, CP, 31\n95, CP, 12\n",
     "flight.csv": FLIGHT,
+    "peaks.csv": "crossings, peak load [N]\n10, 1.3\n20, 6.4\n",
 }
 # words of each command, to which --out is added, and whether it has --resume
 COMMANDS = {
@@ -57,6 +58,7 @@ COMMANDS = {
     "mesh S-720 --format k,rad": False,
     "reduce tests tests.csv": True,
     "reduce shot flight.csv --mass '3 g'": False,
+    "reduce pull-out S-728 peaks.csv": False,
     "biaxial S-720 --ratio 1:1": False,
     "export bare.toml --to lsdyna": False,
     "export bare.toml --to radioss": False,

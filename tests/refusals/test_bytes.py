@@ -33,6 +33,7 @@ READERS = {
     "scene.toml": "impact scene.toml --check",
     "fabric.toml": "show fabric.toml",
     "tests.csv": "reduce tests tests.csv",
+    "peaks.csv": "reduce pull-out S-728 peaks.csv --check",
     "law.json": "impact with-law.toml --check",
     "values.csv": "fabrics new new.toml --from values.csv",
     "frame.csv": "fabrics new new.toml --from values.csv --picture-frame frame.csv",
@@ -59,6 +60,7 @@ def whole(tmp_path):
     """{file: its bytes}, in this folder."""
     (tmp_path / "scene.toml").write_text(impact_scene())
     (tmp_path / "tests.csv").write_text(TESTS)
+    (tmp_path / "peaks.csv").write_text("crossings, peak load [N]\n10, 1.3\n20, 6.4\n20, 6.1\n")
     shutil.copy(Path(catalogue.__file__).parent / "S-720.toml", tmp_path / "fabric.toml")
     catalogue.load("S-720").laws[0].to_json(tmp_path / "law.json")
     with_law = impact_scene().replace("[projectile]", 'law = "law.json"\n[projectile]', 1)

@@ -11,7 +11,7 @@ from fabrics.plate_curve import PlateCurve
 from unitcell3d.cases import load_path
 from weavecell.runs import laboratory_tests
 from weavecell.scenes import curves, fabric_file
-from weavecell.studies import displacement_record
+from weavecell.studies import displacement_record, pull_out_tests
 from weavecell.studies.compression_records import CompressionRecord
 
 N = np.arange(1, 21)
@@ -60,6 +60,17 @@ READERS = {
     "corners of a path": (
         lambda path: load_path.read(path).tolist(),
         {"d1": ("um", 1.5 * N), "d2": ("um", 2.25 * N)},
+    ),
+    "pull-outs": (
+        lambda path: [
+            (one.group, one.peak)
+            for one in pull_out_tests.read(path, {"warp": 1e-3, "weft": 1e-3}, pulled="weft")
+        ],
+        {
+            "crossings": ("", 5 + N),
+            "peak load": ("gf", 30.5 + 2.5 * N**2),
+            "tension": ("N", 0.25 * N),
+        },
     ),
     "tests of a laboratory": (
         lambda path: laboratory_tests.read(path).to_dict("list"),

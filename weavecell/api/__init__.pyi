@@ -43,6 +43,8 @@ from weavecell.api.own_runs import draw as draw
 from weavecell.api.own_runs import run as run
 from weavecell.api.patches import PatchResult as PatchResult
 from weavecell.api.patches import patch as patch
+from weavecell.api.pull_outs import PullOutFriction as PullOutFriction
+from weavecell.api.pull_outs import reduce_pull_out as reduce_pull_out
 from weavecell.api.reduction import CompressionRecords as CompressionRecords
 from weavecell.api.reduction import ShotRecord as ShotRecord
 from weavecell.api.reduction import reduce_compression as reduce_compression

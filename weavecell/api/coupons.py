@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -41,6 +41,7 @@ from fabrics.base.record import Record
 from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
+from fabrics.variants import rotated_90
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.result import Result, figure
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+    from shellfabric.cell.model import CellTable
     from shellfabric.membrane.indicator import Indicator
 
 NAMES = (
@@ -127,7 +129,7 @@ class CouponPlan(Plan["CouponResult | PullOutResult"]):
         amounts = {"load step": scene.run.steps}
         if scene.test == "pull_out":
             amounts = {"crossed yarn": scene.pull_out.crossings}
-        _table(self.case)
+        table_of(self.case)
         case = self.case
         choices = {name: in_words.say(value) for name, value in scene.list_choices().items()}
         taken = [("compression of the yarns", case.law_name)]
@@ -212,15 +214,15 @@ def coupon(
         scene = check_scene(scenes.CouponScene, table, file, "coupon")
         case = build.build(scene, file, file.stem)
     else:
-        case = _case(target, test, options)
+        case = case_of(target, test, options)
         text = ""
         file = None
     quantities.note(scenes.list_numbers(case.scene, case.fabric), file)
     return CouponPlan(case, text, file)
 
 
-def _case(target, test, options):
-    """The Case of a fabric and keywords."""
+def case_of(target: Fabric | FilePath, test: str | None, options: Mapping[str, Any]) -> Case:
+    """Make the Case of a fabric and keywords, which are those of `coupon`."""
     if test not in scenes.TESTS:
         raise unknown_name("test", str(test), scenes.TESTS, key="test")
     fabric = resolve_fabric(target)
@@ -265,7 +267,7 @@ def _pull_out(case, text, *_):
     """(PullOutResult, None: it never ends early)."""
     began = time.perf_counter()
     scene = case.scene
-    curve = pull_out.run(_table(case), scene.pull_out, scene.fabric.bending)
+    curve = pull_out.run(table_of(case), scene.pull_out, scene.fabric.bending)
     facts = _facts(case, None, began) | {"outcome": "complete"}
     record = coupon_results.pull_out_record(curve, **facts)
     checks = coupon_results.pull_out_indicators(curve)
@@ -278,7 +280,7 @@ def _relax(case, text, checkpoint, resume):
 
     began = time.perf_counter()
     scene = case.scene
-    table = _table(case)
+    table = table_of(case)
     inputs = scene.test_table
     options = scene.run.model_dump(exclude={"outputs"})
     fabric = table.model.fabric
@@ -338,15 +340,17 @@ def _facts(case, failure, began):
     return facts
 
 
-def _table(case):
-    """The table of the cell."""
+def table_of(case: Case, pulled: str = "warp") -> CellTable:
+    """Compute the table of the cell; `pulled` is the family that is drawn out, the warp of the table."""
     from shellfabric.cell.model import CellModel
 
+    fabric, laws = case.fabric, case.laws
+    if pulled == "weft":
+        fabric, laws = rotated_90(fabric), laws[::-1]
     # what a yarn that is drawn out rubs on are all its crossings, in the mean
     drawn_out = case.scene.test == "pull_out"
-    model = CellModel(
-        case.fabric, case.laws, *build.cell_of(case.scene.fabric), mean_crossing=drawn_out
-    )
+    gap, kind, form = build.cell_of(case.scene.fabric)
+    model = CellModel(fabric, laws, gap, kind, form, mean_crossing=drawn_out)
     return model.table(coupon_results.TABLE_SIZE)
 
 

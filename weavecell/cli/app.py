@@ -45,6 +45,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         "reduce_compression",
         "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",
     ),
+    "reduce pull-out": ("reduce_pull_out", "S-728 peaks.csv --tension '2 N'"),
     "reduce shot": ("reduce_shot", "flight.csv --mass '3 g' --bandwidth '20 kHz'"),
     "patch": ("patch", "examples/S-720-stops.toml --struck crossover"),
     "critical-velocity": ("critical_velocity", "S-720 --tolerance '1 m/s'"),

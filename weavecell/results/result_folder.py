@@ -62,6 +62,7 @@ KINDS = {
     "sweep.json": Kind("sweep", "sweep.csv"),
     "tests.json": Kind("tests", "shots.csv"),
     "compression.json": Kind("compression", "packs.csv"),
+    "pull-out.json": Kind("pull_outs", "pull-outs.csv"),
     "shot.json": Kind("shot", "motion.csv"),
     "biaxial.json": Kind("biaxial", "biaxial.csv"),
     "biaxial-fit.json": Kind("biaxial_fit", "tests.csv"),

@@ -29,7 +29,7 @@ class Friction(NamedTuple):
 FRICTIONS = {
     inputs.FRICTION_OF_CROSSOVERS: Friction(
         "friction between yarns",
-        "measure friction between yarns by a pull-out",
+        "measure friction between yarns by a pull-out (`weavecell reduce pull-out`)",
         "friction_between_yarns",
     ),
     data_sheet.FRICTION_OF_PROJECTILE: Friction(

@@ -9,18 +9,30 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, SHOTS, call
+from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, PEAKS, SHOTS, call
 from weavecell.api.crossover import CaseKeywords
 from weavecell.api.meshes import Geometry
 
 STUDIES = {"critical_velocity", "v50", "compare", "sweep", "impact"}
 # how a command is run, not what; and its input, which other tests change
-NOT_WALKED = {"check", "out", "resume", "jobs", "executor", "fabric", "target", "tests", "path"}
+NOT_WALKED = {
+    "check",
+    "out",
+    "resume",
+    "jobs",
+    "executor",
+    "fabric",
+    "target",
+    "tests",
+    "path",
+    "record",
+}
 SHARED = {"CaseKeywords": CaseKeywords, "Geometry": Geometry}
 # a value that is no default, of each option
 OTHER = {
     "assumed_range": False,
     "bars": 7,
+    "bending": "1e-6 N m^2",
     "biaxial": "none.csv",
     "centreline": "straight",
     "compare_3d": "coarse",
@@ -41,6 +53,7 @@ OTHER = {
     "friction": 0.17,
     "law": "none.toml",
     "mesh": "3,2,2",
+    "more": ["20=peaks.csv"],
     "overlap": "refuse",
     "patch": "3x2",
     "platen_curve": "none.csv",
@@ -48,11 +61,13 @@ OTHER = {
     "points": 11,
     "pressure": "3 MPa",
     "pull": "0.02 mm",
+    "pulled": "weft",
     "ratio": ["3:2"],
     "reduced_integration": True,
     "section": "ellipse",
     "shear_angle": "0.3 rad",
     "struck": "crossover",
+    "tension": "3 N",
     "test": "uniaxial",
     "tip_thickness_ratio": 0.3,
     "tolerance": "3 m/s",
@@ -90,6 +105,7 @@ def plan_of(name, changed):
 def test_an_option_is_refused_by_its_name_or_makes_another_plan(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("tests.csv").write_text(SHOTS)
+    Path("peaks.csv").write_text(PEAKS)
     usual = plan_of(name, {})
     # what is compared has no address of an object
     assert plan_of(name, {}) == usual

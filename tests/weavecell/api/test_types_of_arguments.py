@@ -24,6 +24,7 @@ from weavecell.studies import ballistic_limit
 
 ROOT = Path(__file__).parents[3]
 SMALL = {"opening": "26 mm", "end_time": "12 us"}
+PEAKS = "peak load [N]\n1.3\n1.2\n"
 SHOTS = "velocity [m/s], outcome\n90, PP\n124, CP\n105, CP\n112, PP\n"
 # the least that each function takes
 LEAST = {
@@ -42,6 +43,7 @@ LEAST = {
     "impact": ("S-720", "140 m/s", SMALL),
     "mesh": ("S-720",),
     "patch": ("S-720", "140 m/s", {"opening": "26 mm"}),
+    "reduce_pull_out": ("S-728", "peaks.csv", {"crossings": 10}),
     "reduce_tests": ("tests.csv",),
     "surface": ("S-720",),
     "sweep": ("S-720", {"over": {"projectile.strike_velocity": ["90 m/s", "140 m/s"]}}),
@@ -144,6 +146,7 @@ def kinds_of(function, parameter):
 def test_values_of_all_kinds_are_refused_in_a_line(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("tests.csv").write_text(SHOTS)
+    Path("peaks.csv").write_text(PEAKS)
     taken = []
     for parameter in list_parameters(FUNCTIONS[name]):
         kinds = kinds_of(FUNCTIONS[name], parameter)
@@ -154,7 +157,7 @@ def test_values_of_all_kinds_are_refused_in_a_line(name, tmp_path, monkeypatch):
             if not refused(name, parameter, value):
                 taken.append((parameter, value))
     assert taken == []
-    assert {path.name for path in tmp_path.iterdir()} == {"tests.csv"}
+    assert {path.name for path in tmp_path.iterdir()} == {"tests.csv", "peaks.csv"}
 
 
 def test_keywords_of_a_set_up_of_all_kinds():

@@ -1,6 +1,7 @@
 """`weavecell reduce`: files and lines of both, keys that a fabric file takes, and a computed shot beside a record."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -80,3 +81,40 @@ def test_a_flight_is_reduced_and_drawn_beside_a_computed_one(succeed, command, t
         assert code == 2
         assert said in err
     assert not (tmp_path / "again").exists()
+
+
+def test_pull_outs_give_the_friction_of_an_input_file(succeed, command, tmp_path):
+    """The folder, the answer in eight lines, and the key as an input file reads it; a table with one length
+    says which pairs it leaves."""
+    rows = "".join(f"{n}; {k}; {p}\n" for n, p in ((10, 130), (20, 655)) for k in (1, 2))
+    rows = rows.replace("130", "131,5", 1).replace("655", "641,25", 1)
+    (tmp_path / "peaks.csv").write_text("Crossings;Specimen;Max load (gf)\n" + rows)
+    out = succeed("reduce pull-out S-728 peaks.csv --tension '2 N' --out r")
+    lines = out.splitlines()
+    assert lines[1].startswith("answer      friction between yarns 0.196 ± ")
+    assert "4 tests with 10 and 20 crossings" in lines[2]
+    assert len(lines) <= 8
+    found = table_of(tmp_path / "r", "pull-out.json")
+    low, high = found["crossover_friction_interval"]
+    assert low < 0.2 < high
+    keys = tomllib.loads((tmp_path / "r" / "friction-keys.toml").read_text())
+    assert keys["panel"]["crossover_friction"] == pytest.approx(
+        found["crossover_friction"], rel=1e-3
+    )
+    written = (tmp_path / "r" / "friction-keys.toml").read_text()
+    shot = '[projectile]\nname = "FSP 1.10 g"\nstrike_velocity = "90 m/s"\n'
+    (tmp_path / "scene.toml").write_text(
+        f'[fabric]\nname = "S-728"\n{shot}{written}opening = "30 mm"\n'
+    )
+    assert "friction" in succeed("impact scene.toml --check")
+    (tmp_path / "one.csv").write_text("crossings, peak load [N]\n20, 6.4\n20, 6.9\n")
+    out = succeed("reduce pull-out S-728 one.csv --tension '2 N' --out one")
+    assert "is not told by one length: mu 0.1 with c0 " in out
+    assert "[panel]" not in (tmp_path / "one" / "friction-keys.toml").read_text()
+    (tmp_path / "zero.csv").write_text(
+        "displacement [mm], force [N]\n" + "".join(f"{0.06 * k:.2f}, 0\n" for k in range(40))
+    )
+    code, _, err = command("reduce pull-out S-728 zero.csv --crossings 34 --out zero")
+    assert code == 2
+    assert "peak load of test 1 = '0 N': must be above 0" in err
+    assert not (tmp_path / "zero").exists()

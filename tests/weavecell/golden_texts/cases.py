@@ -108,6 +108,9 @@ def write_records():
     # neither record is exactly what it is read with: the noise of a perfect fit is that of the processor
     closed = 0.33 * (10 ** (-1 / 3) - force ** (-1 / 3)) + 2e-4 * np.sin(3 * np.arange(40))
     _write_columns("ply.csv", "force [N], displacement [mm]", force, closed)
+    crossings = np.repeat([10, 20], 3)
+    peaks = 0.28 * np.sinh(0.155 * crossings) * (1 + 0.06 * np.sin(3 * np.arange(6)))
+    _write_columns("peaks.csv", "crossings, peak load [N]", crossings, peaks)
     time = np.arange(0, 200, 2.0)
     flown = 0.1 * time - 1e-4 * time**2 + 3e-3 * np.sin(3 * time)
     _write_columns("flight.csv", "time [us], displacement [mm]", time, flown)

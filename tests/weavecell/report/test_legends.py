@@ -46,6 +46,7 @@ from weavecell.runs.sweep import QUANTITIES
 from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.energy_map import EnergyMap
+from weavecell.studies.pull_out_tests import PullOutTest
 
 ROOT = Path(__file__).parents[3]
 DRAWN = {}
@@ -748,6 +749,38 @@ def compression(pyplot):
     figure = pictures_records.draw_compression(pyplot, laws, "packs")
     data += [{"closed": law.closed, "pressure": law.pressure} for law in laws]
     return figure, data
+
+
+@case(pictures_records.draw_pull_outs)
+def pull_outs(pyplot):
+    """Peaks against the number of crossings: points measured, a line computed; of records the loads."""
+
+    def coupon(crossings):
+        return Given(crossings=crossings, pre_tension=2.0, changed=coupon)
+
+    tests = [PullOutTest("", "weft", n, 2.0, peak) for n, peak in ((8, 0.9), (8, 1.1), (24, 5.5))]
+    groups = [
+        Given(coupon=coupon(n), tests=[one for one in tests if one.crossings == n]) for n in (8, 24)
+    ]
+    friction = Given(
+        groups=groups, tests=tests, mu=0.2, computed=lambda one: 0.01 * one.crossings**2
+    )
+    figure = pictures_records.draw_pull_outs(pyplot, friction, "peaks")
+    measured, computed = figure.axes[0].lines
+    assert (measured.get_label(), computed.get_label()) == (
+        "weft, measured",
+        "weft, computed, 2 N",
+    )
+    assert measured.get_xydata().tolist() == [[8, 0.9], [8, 1.1], [24, 5.5]]
+    assert computed.get_ydata()[[0, -1]] == pytest.approx([0.64, 5.76])
+    moved = np.linspace(0, 1e-3, 11)
+    loaded = PullOutTest("", "weft", 8, 2.0, 1.0, moved + 2e-4, 1e3 * moved)
+    alone = Given(coupon=coupon(8), tests=[loaded])
+    friction = Given(groups=[alone], tests=[loaded], mu=None)
+    line, name = pictures_records.draw_pull_outs(pyplot, friction, "a record").axes[0].lines
+    assert line.get_xdata() == pytest.approx(1e3 * moved)
+    assert name.get_label() == "8 crossings, weft, 2 N: measured"
+    return None
 
 
 @case(pictures_records.draw_noses)

@@ -88,6 +88,7 @@ MADE = {
     "comparison": lambda out: wc.reduce_tests("tests.csv", "S-720", **SMALL, out=out),
     "patch": lambda out: wc.patch("S-720", "150 m/s", duration="4 us", out=out),
     "compression": lambda out: wc.reduce_compression("ply.csv", platen_area="361 mm^2", out=out),
+    "pull-outs": lambda out: wc.reduce_pull_out("S-728", "peaks.csv", tension="2 N", out=out),
     "shot": lambda out: wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz", out=out),
     "coupon": lambda out: wc.coupon(
         "S-720", "picture_frame", shear_angle="4 deg", crossovers=2, steps=2, out=out

@@ -42,6 +42,10 @@ OTHERS = {
         "reduce compression ply.csv --platen-area '361 mm^2'",
         "compression.json platen-curve.csv fabric-keys.toml compression.svg",
     ),
+    "reduce pull-out": (
+        "reduce pull-out S-728 peaks.csv",
+        "pull-out.json pull-outs.csv friction-keys.toml pull-out.svg report.html",
+    ),
     "radioss": ("export scene.toml --to radioss", "scene_0000.rad scene_0001.rad mapping.svg"),
 }
 # what stands in a folder of results, for the names of folders
@@ -76,6 +80,7 @@ def not_computed(monkeypatch):
         "weavecell.studies.small_patch.SmallPatch.strike",
         "weavecell.runs.laboratory_tests.reduce",
         "weavecell.studies.displacement_record.reduce",
+        "weavecell.studies.pull_out_tests.reduce",
         "weavecell.studies.compression_records.laws_of",
         "weavecell.decks.model.build",
     ):
@@ -96,6 +101,7 @@ def test_a_file_that_is_not_weavecells_is_kept_and_named(command, tmp_path, not_
     (tmp_path / "tests.csv").write_text(TESTS)
     (tmp_path / "flight.csv").write_text(FLIGHT)
     (tmp_path / "ply.csv").write_text(PLY)
+    (tmp_path / "peaks.csv").write_text("crossings, peak load [N]\n10, 1.3\n20, 6.4\n")
     for number, file in enumerate(names):
         out = tmp_path / f"out-{number}"
         (out / file).parent.mkdir(parents=True)
