@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from fabrics.base.checks import positive, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from fabrics.base.run_cache import ADDED_LATER
 from fabrics.compression import CompressionLaw
 from fabrics.families.strain_rate import RateLaw
 from fabrics.solid import SolidLaw
@@ -56,6 +57,7 @@ class Fabric:
     failure_length : [m] half width, across the fibres, of the mean tension that is held against the
         strength
     ranges : {dotted key: (low, high) over the value} of numbers with a range of their own
+    deviations : (dotted key, standard deviation over the value) of those whose distribution is normal
     guessed : dotted keys of numbers that are assumed without a range
     family : name of the fibre family whose values are assumed; None takes that which modulus and
         fibre density decide
@@ -85,6 +87,7 @@ class Fabric:
     guessed: tuple[str, ...] = ()
     family: str | None = None
     idealised: bool = False
+    deviations: tuple[tuple[str, float], ...] = field(default=(), metadata=ADDED_LATER)
 
     def __post_init__(self):
         positive(self, "failure_length")

@@ -40,6 +40,12 @@ REMOVED = {
     "sensitivity": "use `sweep` with one_at_a_time; examples/sobol_indices.py has Sobol indices",
 }
 
+# keywords and options of earlier versions: what took their place
+REMOVED_OPTIONS = {
+    "assumed_range": "what is assumed is drawn now: `v50`, or draws=16 of `impact` (--draws 16)",
+    "interval": "what is not known is drawn now: `v50`, or draws=16 of `impact` (--draws 16)",
+}
+
 if TYPE_CHECKING:
     from weavecell.api import *  # noqa: F403
 

@@ -169,10 +169,13 @@ def _fabric(file, data, sources, path):
         names += ("weave",) * (file.weave is None)
         names += data_sheet.OF_SHOTS
     ranges = {}
+    deviations = []
     guessed = []
     for key, datum in data.items():
         if datum.ratios is not None:
             ranges[key] = datum.ratios
+            if datum.deviation:
+                deviations.append((key, datum.deviation))
         # the numbers of our own catalogue have been looked up; those of a user's file may be
         # guesses
         elif path.parent != _FOLDER and _guessed(key, datum):
@@ -198,6 +201,7 @@ def _fabric(file, data, sources, path):
         thickness=thickness,
         strain_rate=rate_law,
         ranges=ranges,
+        deviations=tuple(deviations),
         guessed=tuple(guessed),
         family=file.family,
         idealised=file.idealised,

@@ -388,9 +388,12 @@ def refuse_unknown(key: str, value: object, function: str) -> None:
 
 def _unknown(key, value, known, function):
     """The error of a keyword that the function does not have."""
+    from weavecell import REMOVED_OPTIONS
     from weavecell.scenes.impact import Scene
     from weavecell.scenes.panel import PanelTable
 
+    if key in REMOVED_OPTIONS:
+        return InputError(f"was removed from {function}: {REMOVED_OPTIONS[key]}", key=key)
     for group in (name for name, table in known.items() if not table):
         field = fields_of(Scene, group).get(key)
         if field is not None and not mark(field, FileOnly):

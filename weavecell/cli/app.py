@@ -203,7 +203,12 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:
-        _fail(" ".join(problem.format_message().split()), InputError.exit_code)
+        line = " ".join(problem.format_message().split())
+        option = getattr(problem, "option_name", None) or ""
+        name = option.removeprefix("--").removeprefix("no-").replace("-", "_")
+        if name in weavecell.REMOVED_OPTIONS:
+            line = f"the option {option} was removed: {weavecell.REMOVED_OPTIONS[name]}"
+        _fail(line, InputError.exit_code)
     except ModuleNotFoundError as problem:
         _fail(str(extras.MissingPackage(problem.name or str(problem))), 1)
     except OSError as problem:
