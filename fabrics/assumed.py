@@ -195,7 +195,7 @@ def of_thickness(
         density that these yarns do not have
     """
     known: list[float | None] = [yarn.crimp for yarn in fabric.weave.yarns]
-    for number, computed in enumerate(_crimp_is_computed(fabric)):
+    for number, computed in enumerate(is_crimp_computed(fabric)):
         if computed:
             known[number] = None
     warp, weft = known
@@ -219,8 +219,8 @@ def of_thickness(
     return other
 
 
-def _crimp_is_computed(fabric):
-    """Whether the crimp of warp and of weft was computed from areal density or thickness."""
+def is_crimp_computed(fabric: Fabric) -> list[bool]:
+    """Tell whether the crimp of warp and of weft was computed from areal density or thickness."""
     origins = [fabric.sources[f"{family}.crimp"]["source"] for family in FAMILIES]
     return [origin in (FROM_MASS, FROM_THICKNESS) for origin in origins]
 
@@ -260,7 +260,7 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     if "straight_floats" in others:
         low = known["straight_floats"].low
         ends["changes of sides as long as floats"] = {"straight_floats": low}
-    if all(_crimp_is_computed(fabric)):
+    if all(is_crimp_computed(fabric)):
         for value in (share.low, share.high):
             ends[f"warp share {value:g}"] = {"share": value}
     changed = {}
@@ -463,7 +463,7 @@ def _crimp_line(fabric):
     low = _percent(min(warp), min(weft))
     high = _percent(max(warp), max(weft))
     more = ""
-    if all(_crimp_is_computed(fabric)):
+    if all(is_crimp_computed(fabric)):
         share = entries()["warp_share"].written
         more = f" and a warp share of the yarn heights of {share}"
     if "straight_floats" in others:

@@ -91,11 +91,11 @@ class CompressionLaw:
         the stiff end. Constants that are given with a range make an end soft by a large a and a small b."""
         a, b = (each if isinstance(each, Assumed) else Assumed(each) for each in (self.a, self.b))
         soft, stiff = self.assumed_range or ((a.high, b.low), (a.low, b.high))
-        places = (0.0, 0.5, 1.0)
-        constants = (
-            float(np.interp(share, places, ends)) for ends in zip(soft, (self.a, self.b), stiff)
-        )
-        return CompressionLaw(*constants, self.form, self.provenance)
+        of_share = [
+            float(np.interp(share, (0.0, 0.5, 1.0), ends))
+            for ends in zip(soft, (self.a, self.b), stiff)
+        ]
+        return CompressionLaw(of_share[0], of_share[1], self.form, self.provenance)
 
     def ends(self) -> dict[str, CompressionLaw]:
         """Return the law at each end of its assumed range, {"soft", "stiff": CompressionLaw}; empty

@@ -68,8 +68,8 @@ def read(text: object) -> RangeText | None:
         value, low, high = 0.5 * (first + second), first, second
     if not low < high:
         raise InputError(value=text, allowed=f"a range whose ends rise, such as {EXAMPLE}")
-    texts = (f"{number:.12g} {unit}".rstrip() for number in (value, low, high))
-    return RangeText(*texts, CUT_OFF if deviates else 0.0)
+    middle, lower, upper = (f"{number:.12g} {unit}".rstrip() for number in (value, low, high))
+    return RangeText(middle, lower, upper, CUT_OFF if deviates else 0.0)
 
 
 def looks_like_one(value: object) -> bool:

@@ -478,7 +478,9 @@ def _with_range(kind, part, written):
         try:
             low, high = map(handler, ends[1:])
         except ValidationError:
-            reach = "a value ± a standard deviation, of which twice" if deviations else "a range that"
+            reach = (
+                "a value ± a standard deviation, of which twice" if deviations else "a range that"
+            )
             raise InputError(value=value, allowed=f"{reach} stays within what is allowed") from None
         deviation = (high - middle) / deviations if deviations else 0.0
         return Assumed(middle, low, high, deviation, given=True)

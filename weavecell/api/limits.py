@@ -396,7 +396,7 @@ class CriticalVelocityResult(StudyResult):
             )
         if self.v50 is not None:
             value = self.v50.words()
-        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target)}"
+        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target.setup, self.target.is_placed)}"
         return self._find_answer(self._name_shot("ballistic limit"), value, over=over)
 
     def _what(self):

@@ -584,7 +584,7 @@ class ShotResult(ImpactRecord, Result):
 
         said = "one run"
         if self.target is not None:
-            said += f": {unknown.say_run(self.target)}"
+            said += f": {unknown.say_run(self.target.setup, self.target.is_placed)}"
         return "; ".join(filter(None, (said, self.widened)))
 
     @property
