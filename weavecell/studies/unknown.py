@@ -7,8 +7,8 @@ below the value of the set-up, half above it: the one run at nominal values stan
 
 A share depends on seed, number and the name of the row alone, so that two set-ups share the draws of what
 both leave open, and a row more moves no draw of the others. Of one row shares are spread evenly over
-numbers from 0 on: points of van der Corput's sequence, scrambled as Owen did (1995, Lecture Notes in
-Statistics 106, 299) by what seed and name say; place, roll and frictions are points of one Sobol sequence,
+numbers from 0 on: points of van der Corput's sequence, shuffled and scrambled as Owen did (1995, Lecture Notes
+in Statistics 106, 299) by what seed and name say; place, roll and frictions are points of one Sobol sequence,
 shifted by what the seed draws. Modulus and crimp differ from panel to panel, as random numbers do.
 """
 
@@ -114,18 +114,22 @@ def _sobol_points(least):
 
 @cache
 def _scrambled(name, seed, number):
-    """Point of a number of van der Corput's sequence, each of its digits turned round or not by what the
-    digits before it are."""
-    share = 0.0
-    before = ""
-    for level in range(1, LEVELS + 1):
-        digit = number & 1
-        number >>= 1
-        turned = blake2b(f"{name} {seed} {before}".encode(), digest_size=1).digest()[0] & 1
-        share += (digit ^ turned) * 0.5**level
-        before += str(digit)
+    """Point of a number of van der Corput's sequence, shuffled and scrambled: each binary digit of the number, then
+    of the point, is turned round or not by what the digits above it are. Numbers of a block of 2^k are spread evenly,
+    in an order that is another for each name."""
+
+    def turn(digits, what):
+        found = ""
+        for level, digit in enumerate(digits):
+            key = f"{what} {name} {seed} {digits[:level]}"
+            turned = blake2b(key.encode(), digest_size=1).digest()[0] & 1
+            found += str(int(digit) ^ turned)
+        return found
+
+    shuffled = turn(f"{number:0{LEVELS}b}", "order")
+    point = turn(shuffled[::-1], "place")
     # in the middle of what this many digits leave open: 0 and 1 are no shares
-    return share + 0.5 ** (LEVELS + 1)
+    return (int(point, 2) + 0.5) / 2**LEVELS
 
 
 TEST_YARNS = "test yarns taken from the fabric; give fabric.weaving_damage"

@@ -8,8 +8,9 @@ import pytest
 import weavecell as wc
 from fabrics.base.errors import InputError
 from tests.scene_text import impact_scene
-from weavecell.studies import v50
-from weavecell.studies.strengths import draw_aim, draw_factors
+from weavecell.studies import unknown, v50
+from weavecell.studies.inputs import read_scatter
+from weavecell.studies.strengths import FACTORS
 
 # no test here looks at what a picture shows
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -24,7 +25,8 @@ NOT_DRAWN = dict.fromkeys(("friction_between_yarns", "friction_on_nose", "fricti
 
 def fake_fire(setup, scatter, seed, number, velocity, stride=None):
     fired.append((setup.plies, number, stride))
-    factors = draw_factors(scatter, seed, number * (stride or setup.plies))
+    values = unknown.draw(setup, scatter, seed, number, number * (stride or setup.plies))[1]
+    factors = {key: values[name] for key, name in FACTORS.items()}
     failing = 200.0 * setup.areal_density**POWER * factors["modulus"]
     hit = velocity > failing
     crimps = factors["crimp_warp"], factors["crimp_weft"]
@@ -128,7 +130,8 @@ def test_what_else_differs_is_named():
 
 def test_aims_are_the_same_share_of_a_cell():
     a, b = (wc.setup(name, 90.0, crossovers="yarns") for name in ("S-726", "S-728"))
-    aims = [np.divide(draw_aim(s, 4, 7), s.fabric.weave.w) for s in (a, b)]
+    drawn = [unknown.draw(s, read_scatter(), 4, 7, 7)[0] for s in (a, b)]
+    aims = [np.divide(s.impact_point, s.fabric.weave.w) for s in drawn]
     np.testing.assert_allclose(*aims)
 
 

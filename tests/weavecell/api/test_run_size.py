@@ -12,7 +12,6 @@ from shellfabric.impact.run import run_impact_or_partial
 from tests.scene_text import impact_scene
 from weavecell.api import run_size
 from weavecell.api.run_size import shots_of_a_search
-from weavecell.studies import assumed_range
 from weavecell.studies.ballistic_limit import first_guess
 from weavecell.studies.bracket import Bracket
 
@@ -46,14 +45,6 @@ def test_the_forecast_of_a_v50_counts_its_shots_and_a_search():
     plain = wc.v50("S-720", shots=20, opening="50 mm", check=True)
     assert plain.shots == 20 + shots_of_a_search(wc.setup("S-720", 100.0))
     assert plain.searches == 1
-
-
-def test_the_forecast_of_a_v50_with_a_range_counts_six_times_the_shots_and_two_searches_an_assumption():
-    ends = sum(map(len, assumed_range.changes(wc.setup("S-720", 1.0, opening="50 mm")).values()))
-    whole = wc.v50("S-720", shots=20, assumed_range=True, opening="50 mm", check=True)
-    assert whole.searches == 1 + ends + 2
-    of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
-    assert whole.shots == 7 * 20 + of_a_search * whole.searches
 
 
 def test_the_forecast_of_a_limit_counts_residual_shots_and_scan():
@@ -150,18 +141,6 @@ def test_a_long_forecast_says_what_it_grows_with_and_what_spreads_it():
     assert f"jobs and executor {run_size.SPREAD}" in str(study)
     short = wc.impact("S-720", "90 m/s", opening="20 mm", end_time="10 us", check=True)
     assert run_size.GROWTH not in str(short)
-
-
-def test_a_forecast_tells_the_shots_of_the_study_from_those_of_the_range():
-    size = wc.v50("S-720", shots=12, check=True, assumed_range=True)
-    alone = wc.v50("S-720", shots=12, check=True)
-    assert alone.of_range == 0
-    assert "the range" not in str(alone)
-    of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
-    assert size.shots - size.of_range == alone.shots == 12 + of_a_search
-    assert f"{alone.shots} of these shots are the study itself, {size.of_range} the range" in str(
-        size
-    )
 
 
 # of shots of a 9 mm bullet at S-728, to their end: {(plies, m/s, opening [mm], failure lengths of an
