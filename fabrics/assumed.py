@@ -164,7 +164,8 @@ def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
     family."""
     ranges = dict(fabric.ranges)
     for key in fabric.guessed:
-        table, *_, name = key.split(".")
+        table, _, _ = key.partition(".")
+        name = key.rpartition(".")[2]
         usual = _usual_ranges(fabric, table)
         if name in usual:
             ranges[key] = usual[name]

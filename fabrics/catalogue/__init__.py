@@ -219,7 +219,9 @@ def _guessed(key, datum):
     """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a
     source."""
     sourced = datum.sourced or not key.startswith(("shear.", "solid."))
-    return key.rpartition(".")[2] in RANGED and (datum.status == "assumed" or not sourced)
+    # thickness and mass of a sheet have the ranges of `data_sheet.toml`
+    ranged = key.rpartition(".")[2] in RANGED and key not in ("thickness", "areal_density")
+    return ranged and (datum.status == "assumed" or not sourced)
 
 
 def _value(datum):

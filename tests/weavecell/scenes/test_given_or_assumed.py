@@ -15,19 +15,15 @@ from weavecell.scenes import build
 from weavecell.scenes.impact import check
 from weavecell.studies import inputs, unknown
 
-# {key: what is no longer assumed with it}
+STRENGTHS = {"strength after weaving", "strength of the file"}
+# {key: what is no longer drawn with it}
 GIVES = {
     "projectile.friction": {"friction on the nose"},
     "projectile.name": {"friction on the nose"},
     "fabric.weaving_damage.strength": {"strength after weaving"},
     # tensions of a surface are those of yarns as they are
-    "fabric.surface": {
-        "strength after weaving",
-        "modulus",
-        "crimp of the warp",
-        "crimp of the weft",
-    },
-    "panel.yarn_failure": {"failure length", "strength after weaving", "strength of yarns"},
+    "fabric.surface": STRENGTHS | {"modulus", "crimp of the warp", "crimp of the weft"},
+    "panel.yarn_failure": STRENGTHS | {"failure length", "strength of yarns"},
 }
 # a table whose keys need another to be a table at all
 BESIDE = {"fabric.weaving_damage": {"fabric": {"weaving_damage": {"source": "made up"}}}}

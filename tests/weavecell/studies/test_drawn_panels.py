@@ -15,7 +15,7 @@ from weavecell.studies.inputs import Scatter
 
 # no two spreads are alike
 SCATTER = Scatter(shape=12.0, gauge_length=0.15, modulus=0.05, crimp=0.2)
-MANY = 20_000
+MANY = 5_000
 
 
 def draw_factors(setup, seed, panel):
@@ -81,7 +81,7 @@ def test_moments_of_many_draws(setup):
     drawn = np.array([list(draw_factors(setup, 1, n).values()) for n in range(MANY)])
     wanted = np.array([SCATTER.modulus, SCATTER.crimp, SCATTER.crimp])
     assert drawn.mean(axis=0) == pytest.approx(np.ones(3), abs=5 * wanted.max() / sqrt(MANY))
-    assert drawn.std(axis=0) == pytest.approx(wanted, rel=0.03)
+    assert drawn.std(axis=0) == pytest.approx(wanted, rel=0.05)
     together = np.corrcoef(drawn.T)
     assert abs(together - np.eye(3)).max() < 5 / sqrt(MANY)
     assert np.unique(drawn).size == drawn.size

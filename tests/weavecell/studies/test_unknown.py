@@ -293,7 +293,7 @@ def test_what_is_drawn_is_said_shortly():
 @pytest.mark.parametrize(
     "options, message",
     [
-        ({"opening": "40 mm ± 1 mm"}, r"opening = '40 mm ± 1 mm': must be a length above 0.*without a range: shots draw "),
+        ({"opening": "40 mm ± 1 mm"}, r"opening = '40 mm ± 1 mm': must be a length above 0.*without a range: shots "),
         ({"crossover_friction": "0.3 to 0.1"}, "crossover_friction = '0.3 to 0.1': must be a range whose ends rise"),
         ({"crossover_friction": "0.1 ± 0.1"}, "must be a value ± a standard deviation, of which twice stays within"),
         ({"ply_gap": "0.1 ± 10 %"}, "ply_gap = '0.1 ± 10 %': must be said of which"),
