@@ -17,7 +17,7 @@ from fabrics.base.errors import InputError
 from fabrics.base.range_texts import CUT_OFF
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import FAMILIES
-from fabrics.families import Entry
+from fabrics.families import Entry, entries
 from shellfabric.impact.setup import ImpactSetup, Ply
 from shellfabric.membrane.boundary import Grip
 from shellfabric.plies.gap import gap_between
@@ -152,10 +152,8 @@ def _of_ratios(fabric: Fabric, key: str) -> Range | None:
 
 
 def _of_number(entry, read, write):
-    """The Way of a number that says itself whether it is known: read(setup), None where there is none.
-
-    entry : its name in `inputs.ranges`
-    """
+    """The Way of a number that says itself whether it is known: read(setup), None where there is none;
+    entry(*fabrics) is the Entry that stands in for it."""
 
     def find(setup, scatter):
         number = read(setup)
@@ -163,13 +161,32 @@ def _of_number(entry, read, write):
             return None
         if number.given:
             return _range_of(number)
-        usual = inputs.ranges(*setup.fabrics)[entry]
+        usual = entry(*setup.fabrics)
         if number.low < number.high:
             return _range_of(number, usual.source)
         # one that says nothing of its range
         return _of_entry(usual) if usual.low < usual.high else None
 
     return written(find, write)
+
+
+def _of_shots(name):
+    return lambda *fabrics: assumed.shot_entries(*fabrics)[name]
+
+
+def _of_sheets(key):
+    return lambda *fabrics: data_sheet.entries()[key]
+
+
+def _of_zones(key):
+    """Of resolved yarns, whose model takes a while to load."""
+
+    def entry(*fabrics):
+        from shellfabric.yarns.model import DATA
+
+        return entries(DATA)[key]
+
+    return entry
 
 
 def _field_of_zone(field):
@@ -473,13 +490,15 @@ def _find_strengths(setup, scatter):
     return Range(1.0, 0.0, inf, inputs.table("weibull")["shape"].source, scatter=deviation)
 
 
-FRICTION_OF_YARNS = _of_number(inputs.FRICTION_OF_CROSSOVERS, *_field_of_zone("friction"))
-FRICTION_ON_NOSE = _of_number(data_sheet.FRICTION_OF_PROJECTILE, _read_nose, _write_nose)
-FRICTION_OF_PLIES = _of_number(data_sheet.FRICTION_BETWEEN_PLIES, *_field_of_pack("ply_friction"))
-LATERAL = _of_number("lateral stiffness of yarns", *_field_of_zone("lateral"))
-EDGE = _of_number("edge of yarns under the nose", *_field_of_zone("edge"))
-PACKED_AREA = _of_number("area of packed fabric", *_field_of_pack("packed_area"))
-RESILIENCE = _of_number("energy given back by plies", _read_resilience, _write_resilience)
+FRICTION_OF_YARNS = _of_number(assumed.friction_between_yarns, *_field_of_zone("friction"))
+FRICTION_ON_NOSE = _of_number(_of_shots(data_sheet.FRICTION_OF_PROJECTILE), _read_nose, _write_nose)
+FRICTION_OF_PLIES = _of_number(
+    _of_shots(data_sheet.FRICTION_BETWEEN_PLIES), *_field_of_pack("ply_friction")
+)
+LATERAL = _of_number(_of_zones("lateral_stiffness"), *_field_of_zone("lateral"))
+EDGE = _of_number(_of_zones("edge"), *_field_of_zone("edge"))
+PACKED_AREA = _of_number(_of_sheets("packed_area"), *_field_of_pack("packed_area"))
+RESILIENCE = _of_number(_of_sheets("ply_resilience"), _read_resilience, _write_resilience)
 ROLL = written(_find_roll, _write_roll)
 CLAMPS = Way(_find_clamp, _put_clamp)
 GAP = Way(_find_gap, _put_gap)

@@ -12,6 +12,8 @@ import weavecell as wc
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import inputs_digest
+from fabrics.families import entries
+from shellfabric.yarns.model import DATA
 from weavecell.report.shot import chapters_shot
 from weavecell.studies import inputs, strengths, unknown
 from weavecell.studies.inputs import Scatter
@@ -202,7 +204,7 @@ def test_draws_of_a_row_are_even_over_their_range(name):
 
 
 def test_half_of_the_draws_lie_below_the_value():
-    entry = inputs.ranges()["lateral stiffness of yarns"]
+    entry = entries(DATA)["lateral_stiffness"]
     made = wc.setup("S-728", "90 m/s", opening="40 mm", crossovers="yarns")
     _, found = unknown.find_drawn(made, SCATTER)["lateral stiffness of yarns"]
     ends = [found.at(share) for share in (0.0, 0.25, 0.5, 1.0)]
