@@ -68,10 +68,3 @@ class Assumed(float):
 def is_assumed(number: float | None) -> bool:
     """Return whether a number has a range, and is not one of the user's own without."""
     return isinstance(number, Assumed)
-
-
-def least(number: float) -> float:
-    """Return the low end of the range of a number that is assumed; any other number itself."""
-    if isinstance(number, Assumed):
-        return number.low
-    return float(number)

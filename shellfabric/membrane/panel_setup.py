@@ -34,8 +34,6 @@ class PanelSetup(PanelNumbers):
         `membrane.packing_kernels`)
     grading : ((until, side), ...) [crossovers] elements that are longer the further they are from
         the impact point, or None (see `grading`); not with grips at the edges
-    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
-        whether they would slip; None takes that which is assumed of the fabric
     others : see `PanelNumbers`
     """
 
@@ -49,7 +47,6 @@ class PanelSetup(PanelNumbers):
     backing: Backing | None = None
     packed_area: float = entries()["packed_area"].number
     grading: tuple | None = None
-    yarn_friction: float | None = None
 
     def of_ply(self) -> dict[str, Any]:
         """Return {name: value} of what each ply has alike."""

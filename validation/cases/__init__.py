@@ -14,7 +14,6 @@ MODULES = (
     "coupons",
     "block",
     "drawn",
-    "holding",
     "intervals",
     "laws",
     "models",
@@ -57,8 +56,6 @@ def _module(name):
             from validation.cases import block as module
         case "drawn":
             from validation.cases import drawn as module
-        case "holding":
-            from validation.cases import holding as module
         case "intervals":
             from validation.cases import intervals as module
         case "laws":

@@ -213,7 +213,5 @@ def test_friction_of_yarns_is_of_their_family(family, friction, ends, tmp_path):
     drawn = [unknown.put_all(setup, unknown.ALIKE, {name: share}) for share in (0.0, 0.5, 1.0)]
     low_end, high_end = ends
     assert [one.crossovers.friction for one in drawn] == [low_end, friction, high_end]
-    pinned = wc.setup(mine, "90 m/s", **given)
-    assert pinned.panel(pinned.plain_table()).friction_between_yarns == friction
     own = wc.setup(mine, "90 m/s", crossovers="yarns", crossover_friction=0.17, **given)
     assert (own.crossovers.friction, own.crossovers.friction_range) == (0.17, ())
