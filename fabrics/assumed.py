@@ -7,8 +7,8 @@ the trellis follow from the weave. Crimp follows from areal density or thickness
 sides. The failure length is one for all families
 (`data_sheet.toml`). A fabric says what has been assumed:
 `Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and
-`lines` is what a command prints and records. `shear_ends`, `solid_ends`, `crimp_ends`,
-`failure_length_ends` and `ends` are the fabric with either end of the assumed ranges.
+`lines` is what a command prints and records. `shear_at`, `scale_ranged` and `of_thickness` are the fabric at
+any place of the assumed ranges, `solid_ends` and `crimp_ends` at either end.
 
 A number of the file with `low` and `high` has that range. A guess without them, which has the
 status "assumed" or, in [shear] or [solid], no source, has the range of its fibre family about it.
@@ -20,6 +20,8 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
+
+import numpy as np
 
 from fabrics import plausible
 from fabrics.base.errors import InputError
@@ -38,7 +40,7 @@ from fabrics.data_sheet import (
     ranges_of_fibre,
 )
 from fabrics.fabric import Fabric
-from fabrics.fabric_tables import FIBRES, OF_YARNS
+from fabrics.fabric_tables import FIBRES
 from fabrics.families import Entry, Family, list_families
 from fabrics.families.trellis import LARGEST
 
@@ -95,38 +97,37 @@ def with_strain_rate(fabric: Fabric) -> Fabric:
     return _completed(fabric, "strain_rate", lambda family: family.strain_rate)
 
 
-def shear_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """Return the fabric with each end of its trellis law, {"soft", "stiff": Fabric}; empty if none
-    of its numbers has a range."""
-    return _ends(fabric, "shear", (fabric.shear,), lambda law: replace(fabric, shear=law))
+def has_range(fabric: Fabric, table: str) -> bool:
+    """Tell whether a number of a table, "shear" or "solid", has a range."""
+    return any(key.startswith(f"{table}.") for key in fabric.ranges)
+
+
+def shear_at(fabric: Fabric, share: float) -> Fabric:
+    """Return the fabric with its trellis law at a place in its range: 0 is the soft end, 0.5 the law as it
+    is, 1 the stiff end."""
+    return replace(fabric, shear=_law_at(fabric, "shear", "", fabric.shear, share))
 
 
 def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
     """Return the fabric with each end of its solid laws, {"soft", "stiff": Fabric}; empty if none
     of their numbers has a range."""
-    laws = fabric.solid_laws
-    return _ends(fabric, "solid", laws, lambda *both: replace(fabric, solid_laws=both))
-
-
-def _ends(fabric, table, laws, changed):
-    """{"soft", "stiff": changed(*laws)} of a table, each number at this end of its range."""
-    if not any(key.startswith(f"{table}.") for key in fabric.ranges):
-        return {}
     fabrics = {}
-    for end in ("soft", "stiff"):
-        pair = [_law_at(fabric, table, *of, end == "soft") for of in zip(FAMILIES, laws)]
-        fabrics[end] = changed(*pair)
+    for end, share in {"soft": 0.0, "stiff": 1.0}.items() if has_range(fabric, "solid") else ():
+        of_each = zip(FAMILIES, fabric.solid_laws or ())
+        warp, weft = (_law_at(fabric, "solid", family, law, share) for family, law in of_each)
+        fabrics[end] = replace(fabric, solid_laws=(warp, weft))
     return fabrics
 
 
-def _law_at(fabric, table, family, law, soft):
-    """The law of a family with each number at the soft or the stiff end of its range."""
+def _law_at(fabric, table, family, law, share):
+    """The law of a family with each number at a share of its range, from its soft to its stiff end."""
     numbers = {}
     for name, value in vars(law).items():
-        end = soft == (name in _SOFT_AT_HIGH)
         # a range may be given for both families, or for one
         for key in (f"{table}.{name}", f"{table}.{family}.{name}"):
-            value *= fabric.ranges.get(key, (1.0, 1.0))[end]
+            low, high = fabric.ranges.get(key, (1.0, 1.0))
+            ends = (high, 1.0, low) if name in _SOFT_AT_HIGH else (low, 1.0, high)
+            value *= float(np.interp(share, (0.0, 0.5, 1.0), ends))
         numbers[name] = value
     if table == "solid":
         # a yarn is not packed at rest, and softer when it is loose
@@ -163,7 +164,8 @@ def with_ranges_of_guesses(fabric: Fabric) -> Fabric:
     family."""
     ranges = dict(fabric.ranges)
     for key in fabric.guessed:
-        table, *_, name = key.split(".")
+        table, _, _ = key.partition(".")
+        name = key.rpartition(".")[2]
         usual = _usual_ranges(fabric, table)
         if name in usual:
             ranges[key] = usual[name]
@@ -194,7 +196,7 @@ def of_thickness(
         density that these yarns do not have
     """
     known: list[float | None] = [yarn.crimp for yarn in fabric.weave.yarns]
-    for number, computed in enumerate(_crimp_is_computed(fabric)):
+    for number, computed in enumerate(is_crimp_computed(fabric)):
         if computed:
             known[number] = None
     warp, weft = known
@@ -218,8 +220,8 @@ def of_thickness(
     return other
 
 
-def _crimp_is_computed(fabric):
-    """Whether the crimp of warp and of weft was computed from areal density or thickness."""
+def is_crimp_computed(fabric: Fabric) -> list[bool]:
+    """Tell whether the crimp of warp and of weft was computed from areal density or thickness."""
     origins = [fabric.sources[f"{family}.crimp"]["source"] for family in FAMILIES]
     return [origin in (FROM_MASS, FROM_THICKNESS) for origin in origins]
 
@@ -259,7 +261,7 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     if "straight_floats" in others:
         low = known["straight_floats"].low
         ends["changes of sides as long as floats"] = {"straight_floats": low}
-    if all(_crimp_is_computed(fabric)):
+    if all(is_crimp_computed(fabric)):
         for value in (share.low, share.high):
             ends[f"warp share {value:g}"] = {"share": value}
     changed = {}
@@ -270,40 +272,18 @@ def crimp_ends(fabric: Fabric) -> dict[str, Fabric]:
     return changed
 
 
-def failure_length_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """Return the fabric with each end of its assumed failure length, {words: Fabric}; empty if the
-    length is given."""
+def range_of_failure_length(fabric: Fabric) -> tuple[float, float] | None:
+    """Return (low, high) of the failure length over its value; None of one that is given without."""
     length = entries()["failure_length"]
-    usual: tuple[float, ...] = ()
+    usual = None
     if "failure_length" in fabric.assumed:
         usual = (length.low / length.value, length.high / length.value)
-    ends = [ratio * fabric.failure_length for ratio in fabric.ranges.get("failure_length", usual)]
-    return {
-        f"failure length {1e3 * end:.4g} mm": replace(fabric, failure_length=end) for end in ends
-    }
+    return fabric.ranges.get("failure_length", usual)
 
 
-def ends(fabric: Fabric) -> dict[str, dict[str, Fabric]]:
-    """Collect what is assumed of a fabric, without the solid laws: {what: {words: the fabric with
-    this end}}."""
-    variants = {"crimp": crimp_ends(fabric)}
-    for name in OF_YARNS:
-        pairs = [fabric.ranges.get(f"{family}.{name}", (1.0, 1.0)) for family in FAMILIES]
-        if any(low < high for low, high in pairs):
-            ratios = zip(("low", "high"), zip(*pairs))
-            what = name.replace("_", " ")
-            variants[what] = {f"{what} {end}": _scaled(fabric, name, both) for end, both in ratios}
-    trellis = {}
-    for end, changed in shear_ends(fabric).items():
-        trellis[f"trellis {end}"] = changed
-    variants["trellis law"] = trellis
-    variants["failure length"] = failure_length_ends(fabric)
-    return {name: of_one for name, of_one in variants.items() if of_one}
-
-
-def _scaled(fabric, name, ratios):
-    """The fabric with a number of warp and weft times these ratios; the strength stays if the
-    modulus changes."""
+def scale_ranged(fabric: Fabric, name: str, ratios: tuple[float, float]) -> Fabric:
+    """Multiply a number of `fabric_tables.OF_YARNS` of (warp, weft) by ratios; the strength stays if
+    the modulus changes."""
     field = {"modulus": "E", "crimp": "crimp"}.get(name, "failure_strain")
     pairs = list(zip(fabric.weave.yarns, ratios))
     values = {field: [getattr(yarn, field) * ratio for yarn, ratio in pairs]}
@@ -444,13 +424,6 @@ def ranges_of_measured(fabric: Fabric) -> list[str]:
     return lines
 
 
-def without_ranges_of_measured(fabric: Fabric) -> Fabric:
-    """Return the fabric whose measured numbers have no range: what is assumed of it alone."""
-    measured = _measured_keys(fabric)
-    kept = {key: ratios for key, ratios in fabric.ranges.items() if key not in measured}
-    return replace(fabric, ranges=kept)
-
-
 def _measured_keys(fabric):
     """Keys of the measured numbers with a range that is wider than the number."""
     keys = set()
@@ -491,7 +464,7 @@ def _crimp_line(fabric):
     low = _percent(min(warp), min(weft))
     high = _percent(max(warp), max(weft))
     more = ""
-    if all(_crimp_is_computed(fabric)):
+    if all(is_crimp_computed(fabric)):
         share = entries()["warp_share"].written
         more = f" and a warp share of the yarn heights of {share}"
     if "straight_floats" in others:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fabrics import law_file
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FilePath, FloatArray, not_negative, refuse
 from fabrics.base.errors import InputError, placed
 from fabrics.base.frozen import explain_frozen
@@ -84,6 +85,17 @@ class CompressionLaw:
     def incompressible(cls) -> CompressionLaw:
         """Return the limit of a yarn that keeps its thickness."""
         return cls(0.0, 0.0, provenance="incompressible limit")
+
+    def at(self, share: float) -> CompressionLaw:
+        """Return the law at a place in the range of its constants: 0 is the soft end, 0.5 the law as it is, 1
+        the stiff end. Constants that are given with a range make an end soft by a large a and a small b."""
+        a, b = (each if isinstance(each, Assumed) else Assumed(each) for each in (self.a, self.b))
+        soft, stiff = self.assumed_range or ((a.high, b.low), (a.low, b.high))
+        of_share = [
+            float(np.interp(share, (0.0, 0.5, 1.0), ends))
+            for ends in zip(soft, (self.a, self.b), stiff)
+        ]
+        return CompressionLaw(of_share[0], of_share[1], self.form, self.provenance)
 
     def ends(self) -> dict[str, CompressionLaw]:
         """Return the law at each end of its assumed range, {"soft", "stiff": CompressionLaw}; empty

@@ -59,6 +59,7 @@ class Fabric:
     gauge_length : [m] of the yarns that have the strength of `weave` on average (`length_factors`)
     weibull_shape : [-] of the distribution of their strengths
     ranges : {dotted key: (low, high) over the value} of numbers with a range of their own
+    deviations : (dotted key, standard deviation over the value) of those whose distribution is normal
     guessed : dotted keys of numbers that are assumed without a range
     family : name of the fibre family whose values are assumed; None takes that which modulus and
         fibre density decide
@@ -90,6 +91,7 @@ class Fabric:
     idealised: bool = False
     gauge_length: float = field(default=0.2, metadata=ADDED_LATER)
     weibull_shape: float = field(default=14.3, metadata=ADDED_LATER)
+    deviations: tuple[tuple[str, float], ...] = field(default=(), metadata=ADDED_LATER)
 
     def __post_init__(self):
         positive(self, "failure_length", "gauge_length", "weibull_shape")

@@ -1,8 +1,8 @@
 """Tables of a fabric file: every key with its units and bounds, an example and its meaning.
 
 A number is written `{ value = "1420 denier", source = "...", status = "measured" }`, or just `"1420
-denier"`; it is read as a `Datum`; with `low` and `high` it has a range. What lies outside the
-bounds is an error of the unit.
+denier"`; it is read as a `Datum`. With `low` and `high`, or as "1400 to 1440 denier" or "1420 denier ±
+2 %" (`fabrics.base.range_texts`), it has a range. What lies outside the bounds is an error of the unit.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
+from fabrics.base import range_texts
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.schema import Table, described, flag, one_of, string
 from fabrics.base.units import example, in_one_of, si
@@ -24,6 +25,8 @@ OF_YARNS = ("modulus", "failure_strain", "strength", "tenacity", "crimp")
 # numbers that may have a range
 RANGED = (
     *OF_YARNS,
+    "thickness",
+    "areal_density",
     "failure_length",
     "G1",
     "G2",
@@ -45,7 +48,7 @@ FIBRES = ("para-aramid", "UHMWPE", "E-glass", "nylon", "polyester", "PBO", "carb
 @dataclass(frozen=True)
 class Datum:
     """A number of a fabric file: value in the SI `unit`, text, where it comes from, ends of its
-    range over it."""
+    range over it, and its standard deviation over it, 0 where any of the range is as likely."""
 
     value: float
     unit: str
@@ -54,6 +57,7 @@ class Datum:
     status: str
     sourced: bool = True
     ratios: tuple[float, float] | None = None
+    deviation: float = 0.0
 
     @property
     def entry(self) -> dict[str, str]:
@@ -123,10 +127,16 @@ class Quantity:
         if status not in STATUSES:
             raise InputError(key="status", value=status, allowed=f"one of {', '.join(STATUSES)}")
         idealised = info.context.get("idealised", False)
+        written = str(entry.get("value"))
+        as_range = range_texts.read(entry.get("value"))
+        if as_range is not None:
+            entry = {**entry, **as_range._asdict()}
         number, unit = self.read(entry.get("value"), idealised=idealised)
-        written = str(entry["value"])
-        ratios = None
+        ratios, deviation = None, 0.0
         if "low" in entry or "high" in entry:
+            if info.field_name not in RANGED and as_range is not None:
+                allowed = f"one value: only {', '.join(RANGED)} may have a range"
+                raise InputError(value=written, allowed=allowed)
             if info.field_name not in RANGED:
                 raise InputError(
                     key="low",
@@ -147,8 +157,12 @@ class Quantity:
                         key=key, value=entry[key], allowed=f"{allowed}, {entry['value']}"
                     )
             ratios = low / number, high / number
-            written += f" ({entry['low']} .. {entry['high']})"
-        return Datum(number, unit, written, entry.get("source", ""), status, sourced, ratios)
+            if as_range is None:
+                written += f" ({entry['low']} .. {entry['high']})"
+            elif as_range.deviations:
+                deviation = (ratios[1] - 1) / as_range.deviations
+        source = entry.get("source", "")
+        return Datum(number, unit, written, source, status, sourced, ratios, deviation)
 
 
 def _data(meaning, sample, bounds):

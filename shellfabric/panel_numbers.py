@@ -107,6 +107,7 @@ class ZoneKeys:
                 "resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre family if not given, 0.2 of "
                 "para-aramid",
                 0.2,
+                ranged=True,
                 ge=0.0,
                 le=2.0,
             ),

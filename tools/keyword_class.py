@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic import WithJsonSchema
 
-from fabrics.base.schema import mark, unit_of
+from fabrics.base.schema import MayHaveRange, mark, unit_of
 from weavecell.api import keywords
 from weavecell.scenes.impact import Scene
 
@@ -106,7 +106,7 @@ def kind(key: str, field: Any) -> str:
     written = single.__name__
     if written == "float":
         written = "Number"
-        if unit_of(field):
+        if unit_of(field) or mark(field, MayHaveRange):
             written = "Quantity"
     if field.default is None:
         written += " | None"

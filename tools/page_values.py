@@ -40,45 +40,19 @@ from statistics import fmean, stdev
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
-from fabrics import catalogue  # noqa: E402
 from shellfabric.guards import ENERGY_ERROR_LIMIT  # noqa: E402
 from shellfabric.membrane.numerics import Numerics  # noqa: E402
 from shellfabric.membrane.quality import CHECKS  # noqa: E402
 from shellfabric.plies.numerics import PlyContact  # noqa: E402
-from shellfabric.yarns.holding import find_factors  # noqa: E402
 from validation.study import DATA, read  # noqa: E402
 
 ASSUMED = {
     place: tomllib.loads((ROOT / place).read_text("utf-8"))
     for place in ("fabrics/data_sheet.toml", "shellfabric/yarns/assumed.toml")
 }
-FAMILIES = ("flat", "round")  # of noses that yarns hold
-BULLETS = (271.9, 309.1, 475.0)  # [m/s] at 15 plies of Kevlar 29
-
-
-def held(velocity: float) -> float:
-    """Compute (V / c)^(2/3) of a strike at yarns of Kevlar 29."""
-    fabric = catalogue.load(
-        ROOT / "validation" / "measured" / "inputs" / "fabrics" / "K29-467.toml"
-    )
-    return (velocity / fmean(yarn.wave_speed for yarn in fabric.weave.yarns)) ** (2 / 3)
-
-
 # numbers by module and name, {key: number}
 CODE = {
     "shellfabric.membrane.quality CHECKS": {name: check.limit for name, check in CHECKS.items()},
-    "shellfabric.yarns.holding find_factors": {
-        f"{family}, nose {nose:g}, {end}": factor
-        for family in FAMILIES
-        for nose in (0.0, 0.1)
-        for end, factor in zip(("low", "high"), find_factors(family, nose))
-    },
-    "shellfabric.yarns.holding on Kevlar 29": {
-        f"{velocity} m/s, {family or 'any'} nose, {end}": factor * held(velocity)
-        for velocity in BULLETS
-        for family in (None, *FAMILIES)
-        for end, factor in zip(("low", "high"), find_factors(family, 0.1))
-    },
     "shellfabric.guards": {"ENERGY_ERROR_LIMIT": ENERGY_ERROR_LIMIT},
     "shellfabric.membrane.numerics Numerics": {
         field.name: field.default for field in fields(Numerics)

@@ -28,7 +28,7 @@ def in_terminal() -> bool:
 
 
 def option(name: str, value: str = "True") -> str:
-    """Name an option as the user would write it: "--assumed-range", or "assumed_range=True".
+    """Name an option as the user would write it: "--uncertainty", or "uncertainty=True".
 
     Parameters
     ----------

@@ -31,6 +31,7 @@ import numpy as np
 
 from fabrics import __version__
 from fabrics.base import executors, store
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
@@ -124,6 +125,9 @@ def _feed(hasher, value):
         if isinstance(value, Path):
             text = str(value)
         _mark(hasher, type(text).__name__, repr(text))
+        # ranges that nobody gave are those of the code
+        if isinstance(value, Assumed) and value.given:
+            _mark(hasher, "range", repr(value.parts))
     elif isinstance(value, np.ndarray) and value.dtype != object:
         _mark(hasher, "array", f"{value.dtype.str} {value.shape}")
         hasher.update(np.ascontiguousarray(value).tobytes())

@@ -34,13 +34,17 @@ from pydantic import (
     Field,
     ValidationError,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
     WithJsonSchema,
+    WrapValidator,
     model_validator,
 )
 from pydantic.fields import FieldInfo
 from pydantic_core import InitErrorDetails
 
+from fabrics.base import range_texts
 from fabrics.base import written as written_texts
+from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import control_character, parse_toml, read_text
@@ -193,6 +197,12 @@ class Unread:
 
     by: str
     allowed: str = ""
+
+
+@dataclass(frozen=True)
+class MayHaveRange:
+    """Mark a number that may be given with a range (`fabrics.base.range_texts`): it is then an `Assumed`,
+    from which shots are drawn."""
 
 
 @dataclass(frozen=True)
@@ -368,11 +378,13 @@ def quantity(
     zero: bool = False,
     most: str | None = None,
     kind: str | None = None,
+    ranged: bool = False,
 ) -> Any:
     """Declare a float in SI `unit`, written as text: above 0, or of at least 0 with `zero`, and at
     most `most`.
 
-    `kind` is what it is, in words with {} for these limits; None takes what its unit says.
+    `kind` is what it is, in words with {} for these limits; None takes what its unit says. `ranged` is
+    as of `number`.
     """
     if most is None:
         highest = math.inf
@@ -387,7 +399,11 @@ def quantity(
 
     bounds = ("of at least 0" if zero else "above 0") + (f" and at most {most}" if most else "")
     words = (kind or f"{_KINDS[unit]} {{}}").format(bounds)
-    return from_text(float, convert, meaning, f'{words}, such as "{example}"', unit, example)
+    allowed = f'{words}, such as "{example}"'
+    if not ranged:
+        return from_text(float, convert, meaning, allowed, unit, example)
+    allowed += f', or a range such as "{example} ± 5 %"'
+    return _with_range(from_text(float, convert, meaning, allowed, unit, example), str, TEXT)
 
 
 def angle(meaning: str, low: float, high: float, example: str) -> Any:
@@ -418,8 +434,9 @@ def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
     )
 
 
-def number(meaning: str, example: float, **limits: Any) -> Any:
-    """Declare a plain number within pydantic's limits gt, ge, lt, le."""
+def number(meaning: str, example: float, *, ranged: bool = False, **limits: Any) -> Any:
+    """Declare a plain number within pydantic's limits gt, ge, lt, le; one that is `ranged` may be given
+    with a range."""
     match limits:
         case {"gt": low, "le": high}:
             bounds = f"above {low:g} and at most {high:g}"
@@ -431,7 +448,44 @@ def number(meaning: str, example: float, **limits: Any) -> Any:
             bounds = f"from {low:g} to below {high:g}"
         case _:
             bounds = f"of at least {limits['ge']:g}"
-    return Annotated[float, described(meaning, f"a number {bounds}", example=example, **limits)]
+    allowed = f"a number {bounds}"
+    if not ranged:
+        return Annotated[float, described(meaning, allowed, example=example, **limits)]
+    allowed += f", or a range such as {range_texts.EXAMPLE}"
+    kind = Annotated[float, described(meaning, allowed, example=example, **limits)]
+    return _with_range(kind, float, {"anyOf": [{"type": "number", **_json_limits(limits)}, TEXT]})
+
+
+def _json_limits(limits):
+    """Limits of pydantic by their names in a JSON Schema."""
+    names = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+    return {names[name]: value for name, value in limits.items()}
+
+
+def _with_range(kind, part, written):
+    """The kind of a number that may be given with a range, whose value and ends its own validator takes as
+    part(text)."""
+
+    def validate(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        if isinstance(value, Assumed):
+            ends, deviations = value.parts[:3], value.deviation and range_texts.CUT_OFF
+        elif (found := range_texts.read(value)) is None:
+            return handler(value)
+        else:
+            # of a number a text with a unit is no float
+            ends, deviations = tuple(map(part, found[:3])), found.deviations
+        middle = handler(ends[0])
+        try:
+            low, high = map(handler, ends[1:])
+        except ValidationError:
+            reach = (
+                "a value ± a standard deviation, of which twice" if deviations else "a range that"
+            )
+            raise InputError(value=value, allowed=f"{reach} stays within what is allowed") from None
+        deviation = (high - middle) / deviations if deviations else 0.0
+        return Assumed(middle, low, high, deviation, given=True)
+
+    return Annotated[kind, WrapValidator(validate), WithJsonSchema(written), MayHaveRange()]
 
 
 def whole(meaning: str, low: int, high: int, example: int = 2) -> Any:
@@ -611,11 +665,18 @@ def _problems(problem, model, given, file, in_python):
             needs_unit = (unit_of(field) or "1") != "1"
             if in_python and not isinstance(error["input"], str):
                 needs_unit = False
-            line = refused(
-                error["input"], field.description, file=file, key=key, needs_unit=needs_unit
-            )
+            allowed = field.description
+            if mark(field, MayHaveRange) is None and range_texts.looks_like_one(error["input"]):
+                allowed = f"{allowed}, without a range: shots draw {_drawn_keys(model)} alone"
+            line = refused(error["input"], allowed, file=file, key=key, needs_unit=needs_unit)
         problems.setdefault(key, line)
     return list(problems.values())
+
+
+def _drawn_keys(model):
+    """The keys that may be given with a range, in words."""
+    keys = [key for key, field in entries(model).items() if mark(field, MayHaveRange)]
+    return ", ".join(keys) or "none of its numbers"
 
 
 def _meant(key, value, table):

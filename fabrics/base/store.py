@@ -98,7 +98,7 @@ def _plain(value, arrays):
     if value is None or kind in (bool, int, float, str):
         return value
     if kind is Assumed:
-        return {"assumed": [float(value), value.low, value.high]}
+        return {"assumed": list(value.parts)}
     if kind is list:
         return [_plain(part, arrays) for part in value]
     if kind is tuple:

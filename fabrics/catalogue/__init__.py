@@ -180,10 +180,13 @@ def _fabric(file, data, sources, path):
         names += ("weave",) * (file.weave is None)
         names += data_sheet.OF_SHOTS
     ranges = {}
+    deviations = []
     guessed = []
     for key, datum in data.items():
         if datum.ratios is not None:
             ranges[key] = datum.ratios
+            if datum.deviation:
+                deviations.append((key, datum.deviation))
         # the numbers of our own catalogue have been looked up; those of a user's file may be
         # guesses
         elif path.parent != _FOLDER and _guessed(key, datum):
@@ -210,6 +213,7 @@ def _fabric(file, data, sources, path):
         thickness=thickness,
         strain_rate=rate_law,
         ranges=ranges,
+        deviations=tuple(deviations),
         guessed=tuple(guessed),
         family=file.family,
         idealised=file.idealised,
@@ -227,7 +231,9 @@ def _guessed(key, datum):
     """Whether a number without a range is a guess: assumed, or in [shear] or [solid] without a
     source."""
     sourced = datum.sourced or not key.startswith(("shear.", "solid."))
-    return key.rpartition(".")[2] in RANGED and (datum.status == "assumed" or not sourced)
+    # thickness and mass of a sheet have the ranges of `data_sheet.toml`
+    ranged = key.rpartition(".")[2] in RANGED and key not in ("thickness", "areal_density")
+    return ranged and (datum.status == "assumed" or not sourced)
 
 
 def _value(datum):

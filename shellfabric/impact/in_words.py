@@ -175,7 +175,7 @@ def _between_plies(setup):
     if setup.ply_friction:
         words = f"Friction {setup.ply_friction:g}"
     if isinstance(setup.ply_friction, Assumed):
-        words += ", assumed {:g} to {:g}".format(*setup.ply_friction.span)
+        words += f", {setup.ply_friction.words}"
     yield f"{words}."
     gaps = {setup.ply_gap}
     if setup.lay_up:

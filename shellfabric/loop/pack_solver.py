@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.assumed_number import least
 from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.block import coupling
 from shellfabric.guards import ENERGY_ERROR_LIMIT, speed_limit
@@ -34,7 +33,6 @@ from shellfabric.plies.frame_kernels import BEFORE, BEHIND
 from shellfabric.plies.model import Pack
 from shellfabric.projectile import dynamics, frames
 from shellfabric.state import Constants
-from shellfabric.yarns.holding import friction_of_plies
 from shellfabric.yarns.past_ply import nodes_past
 
 FAULTS = {
@@ -240,18 +238,9 @@ class PackSolver(ExplicitSolver):
 
     @property
     def part_indicators(self) -> tuple[Indicator, ...]:
-        """Those of the parts; of pinned yarns that have stopped the projectile, the friction that
-        yarns which may slip would need to stop it."""
+        """Those of the parts."""
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))
         found += dent_checks.indicators(self)
-        if self.reason == STOPPED and not self.replaces_membrane:
-            plies, velocity = self.pack.plies, self.strike_velocity
-            smooth = friction_of_plies(plies, velocity, least(self.panel.projectile.friction))
-            found += quality.judge_friction(
-                friction_of_plies(plies, velocity),
-                self.panel.friction_between_yarns,
-                smooth and smooth[1],
-            )
         return tuple(found)
 
     @property

@@ -34,7 +34,12 @@ class SlipKeys:
     clamp_force: Annotated[
         float | None,
         key(
-            quantity("friction-limited clamp: tension of a yarn at which it slips", "N", "20 N"),
+            quantity(
+                "friction-limited clamp: tension of a yarn at which it slips",
+                "N",
+                "20 N",
+                ranged=True,
+            ),
             "grip",
         ),
         Unread("export", SLIPS),

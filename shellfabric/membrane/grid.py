@@ -30,7 +30,6 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import BoolArray, FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
@@ -190,14 +189,6 @@ class PanelGrid(PanelSetup):
             if self.sides is not None and place < least:
                 allowed = f"a first zone of {-(-least * self._smallest[0] // self._smallest[1])} crossovers or more"
                 refuse(self, "grading", f"{allowed}, all that comes under the nose")
-
-    @property
-    def friction_between_yarns(self) -> float:
-        """[-] by which the checks of pinned crossovers judge: `yarn_friction`, or that which is assumed of
-        the fabric."""
-        if self.yarn_friction is not None:
-            return self.yarn_friction
-        return friction_between_yarns(self.fabric).value
 
     @property
     def fabric(self) -> Fabric:

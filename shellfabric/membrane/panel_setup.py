@@ -38,8 +38,6 @@ class PanelSetup(PanelNumbers):
         the impact point, or None (see `grading`); not with grips at the edges
     length_effect : whether the strength of a yarn follows its length in the panel
         (`find_length_factors`); else it is that of the fabric at every length
-    yarn_friction : [-] Coulomb's coefficient between yarns, by which the checks of pinned ones judge
-        whether they would slip; None takes that which is assumed of the fabric
     others : see `PanelNumbers`
     """
 
@@ -54,7 +52,6 @@ class PanelSetup(PanelNumbers):
     packed_area: float = entries()["packed_area"].number
     grading: tuple | None = None
     length_effect: bool = True
-    yarn_friction: float | None = None
 
     def of_ply(self) -> dict[str, Any]:
         """Return {name: value} of what each ply has alike."""

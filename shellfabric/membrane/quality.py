@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.assumed import friction_between_yarns
 from fabrics.base.checks import FloatArray
 from shellfabric.membrane import coarse_fabric
 from shellfabric.membrane.indicator import Check, Indicator
@@ -248,14 +247,6 @@ _CHECKS = (
         note=0.001,
     ),
     Check(
-        "friction to hold yarns",
-        friction_between_yarns().value,
-        "highest friction between yarns that it may take to stop this projectile; with "
-        "too little it pushes them aside and passes",
-        "compare with {resolved yarns}",
-        note=0.15,
-    ),
-    Check(
         "motion at held faces",
         0.06,
         "largest motion of a block a brick away from its held faces over the deepest "
@@ -337,34 +328,6 @@ CHECKS = {check.name: check for check in _CHECKS}
 def indicator(name: str, value: float) -> Indicator:
     """Return the Indicator of one of CHECKS with a value."""
     return CHECKS[name].judge(value)
-
-
-def judge_friction(
-    needed: tuple[float, float] | None, friction: float, smooth: float | None = None
-) -> list[Indicator]:
-    """Return the indicator of the friction that holds yarns, beside that which they have: doubtful
-    unless this is above the range; [] without a range.
-
-    Parameters
-    ----------
-    needed : (low, high) [-] of `yarns.holding`
-    friction : [-] between yarns
-    smooth : [-] `high` with the least friction that the nose may have, where that is assumed: it is
-        noted if it is above theirs
-    """
-    if needed is None:
-        return []
-    low, high = needed
-    found = indicator("friction to hold yarns", high)
-    words = f"by the fabric {low:.2g} to {high:.2g}; theirs is {friction:g}"
-    # noted before it is doubtful, of slippery yarns too
-    assert found.note is not None
-    note = min(1.0, friction / found.limit) * found.note
-    if smooth is not None and smooth > high:
-        words += f"; up to {smooth:.2g} under a smoother nose, as its assumed friction allows"
-        note = min(note, friction * high / smooth)
-    meaning = f"{found.meaning}; {words}"
-    return [replace(found, limit=friction, note=note, meaning=meaning)]
 
 
 class Monitor:

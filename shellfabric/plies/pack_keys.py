@@ -60,6 +60,7 @@ class PackNumbers:
                 "m",
                 "0.12 mm",
                 zero=True,
+                ranged=True,
             ),
             "pack lay_up",
         ),
@@ -95,6 +96,7 @@ class PackKeys(PackNumbers):
             number(
                 "pack: Coulomb coefficient between plies; if not given assumed, by the fibre family",
                 0.3,
+                ranged=True,
                 ge=0.0,
                 le=2.0,
             ),

@@ -277,7 +277,7 @@ class Projectile(NoseNumbers, BodyNumbers):
         if self.friction:
             words = f"Friction on the fabric {self.friction:g}"
         if isinstance(self.friction, Assumed):
-            words += ", assumed {:g} to {:g}".format(*self.friction.span)
+            words += f", {self.friction.words}"
         return f"{words}."
 
     @property

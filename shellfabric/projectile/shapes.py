@@ -95,8 +95,6 @@ class Shape:
     drawn : whether its distance is that of its meridian (`Projectile.drawing`)
     of_metal, of_bar : whether a body of metal, the elastic bar may have it
     from_file : whether it is that of a Solid
-    held_as : "flat" or "round", the family of noses by which it is judged whether yarns hold it
-        (`yarns.holding`); None takes both
     if_soft : metal that a body without a length may be of; None says nothing
     """
 
@@ -116,7 +114,6 @@ class Shape:
     of_metal: bool = False
     of_bar: bool = False
     from_file: bool = False
-    held_as: str | None = None
     if_soft: str | None = None
 
 
@@ -189,7 +186,6 @@ SHAPES = {
         volume=_cylinder,
         of_metal=True,
         of_bar=True,
-        held_as="flat",
     ),
     "hemisphere": Shape(
         "a round-nosed cylinder",
@@ -198,7 +194,6 @@ SHAPES = {
         volume=lambda shot: _cylinder(shot, shot.radius / 3),
         least_volume=2 / 3,
         of_metal=True,
-        held_as="round",
         if_soft="lead",
     ),
     "cone": Shape(
@@ -209,7 +204,6 @@ SHAPES = {
         nose_radius=lambda shot: min(shot.edge_radius, shot.tip_radius),
         least_volume=1 / 3,
         pointed=True,
-        held_as="round",
     ),
     "sphere": Shape(
         "a sphere",
@@ -218,7 +212,6 @@ SHAPES = {
         volume=lambda shot: _section(shot) * 4 / 3 * shot.radius,
         edged=False,
         of_metal=True,
-        held_as="round",
     ),
     "chisel": Shape(
         "a chisel-nosed fragment simulator",

@@ -97,7 +97,7 @@ class YarnZone:
     @property
     def friction_range(self) -> tuple[float, ...]:
         """(low, high) of the friction; empty of one that is given."""
-        if isinstance(self.friction, Assumed):
+        if isinstance(self.friction, Assumed) and not self.friction.given:
             return self.friction.span
         return ()
 

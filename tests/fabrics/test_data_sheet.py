@@ -79,8 +79,8 @@ def test_the_assumed_failure_length_is_within_one_yarn_spacing_of_every_fabric()
         assert assumed.lines(fabric) == [
             f"assumed: failure length {length.written}, because {name} gives none"
         ]
-    ends = {name: end.failure_length for name, end in assumed.failure_length_ends(fabric).items()}
-    assert ends == {"failure length 0.375 mm": length.low, "failure length 1.5 mm": length.high}
+    ends = [ratio * fabric.failure_length for ratio in assumed.range_of_failure_length(fabric)]
+    assert ends == [length.low, length.high]
 
 
 def test_a_failure_length_that_is_given_is_not_assumed(tmp_path):
@@ -99,7 +99,7 @@ def test_a_failure_length_that_is_given_is_not_assumed(tmp_path):
         "status": "user",
     }
     assert fabric.assumed == ("crimp", "weave", *data_sheet.OF_SHOTS)
-    assert assumed.failure_length_ends(fabric) == {}
+    assert assumed.range_of_failure_length(fabric) is None
 
 
 def test_examples_and_published_fabrics_are_within_the_bounds():

@@ -47,13 +47,13 @@ INPUTS = {
 }
 # words of each command, to which --out is added, and whether it has --resume
 COMMANDS = {
-    "impact scene.toml --no-assumed-range": True,
-    "impact bare.toml --no-assumed-range": True,
+    "impact scene.toml": True,
+    "impact bare.toml": True,
     "coupon frame.toml": True,
     "coupon pull.toml": True,
     "sweep bare.toml --over panel.plies=1,2 --jobs 1": True,
     "v50 study.toml --shots 8 --jobs 1": True,
-    "critical-velocity study.toml --tolerance '20 m/s' --residual-shots 0 --no-scan --jobs 1 --no-assumed-range": True,
+    "critical-velocity study.toml --tolerance '20 m/s' --residual-shots 0 --no-scan --jobs 1": True,
     "compare study.toml other.toml --shots 8 --jobs 1": True,
     "mesh S-720 --format k,rad": False,
     "reduce tests tests.csv": True,

@@ -14,7 +14,6 @@ MODULES = (
     "coupons",
     "block",
     "drawn",
-    "holding",
     "places",
     "laws",
     "models",
@@ -57,8 +56,6 @@ def _module(name):
             from validation.cases import block as module
         case "drawn":
             from validation.cases import drawn as module
-        case "holding":
-            from validation.cases import holding as module
         case "places":
             from validation.cases import places as module
         case "laws":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -23,7 +24,7 @@ from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.decks.mismatch import Mismatch
 from weavecell.runs import table
 from weavecell.runs import v50 as analysis
-from weavecell.studies import ballistic_limit, inputs, mesh_uncertainty
+from weavecell.studies import ballistic_limit, inputs, mesh_uncertainty, unknown
 
 LAWS: Values = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
 TABLE = 201
@@ -71,30 +72,61 @@ def assumed(
     bare = replace(found.fabric, laws=None)
     strike = multiple * critical
     ranges = {
-        "critical": wc.critical_velocity(
-            strike_at(bare, 100.0, law=found.law), assumed_range=True, **search
-        ).assumed_range,
-        "residual": wc.impact(
-            strike_at(bare, strike, law=found.law), assumed_range=True
-        ).assumed_range,
+        "critical": find_ends(
+            strike_at(bare, 100.0, law=found.law),
+            lambda made: wc.critical_velocity(made, **search).critical_velocity,
+        ),
+        "residual": find_ends(
+            strike_at(bare, strike, law=found.law), lambda made: wc.impact(made).residual_velocity
+        ),
     }
     residual = wc.impact(strike_at(own, strike)).residual_velocity
     published = {"critical": critical, "residual": residual}
     ends = found.law.assumed_range or ()
     summary: Values = {"strike": strike, "a": found.law.a, "b": found.law.b}
     summary |= {"a_range": [a for a, _ in ends], "b_range": [b for _, b in ends]}
-    for name, around in ranges.items():
+    for name, ends_of in ranges.items():
+        velocities = [found for found in ends_of.values() if isinstance(found, float)]
+        low, high = min(velocities), max(velocities)
         summary |= {
             name: published[name],
-            f"{name}_range": (around.low, around.high),
-            f"{name}_nominal": around.rows[0].velocity,
-            f"{name}_within": around.low <= published[name] <= around.high,
-            f"{name}_ends": {
-                row.laws: row.outcome if row.velocity is None else row.velocity
-                for row in around.rows
-            },
+            f"{name}_range": (low, high),
+            f"{name}_nominal": ends_of["nominal"],
+            f"{name}_within": low <= published[name] <= high,
+            f"{name}_ends": ends_of,
         }
     return summary
+
+
+def find_ends(
+    setup: ImpactSetup, compute: Callable[[ImpactSetup], float]
+) -> dict[str, float | str]:
+    """Compute a velocity [m/s] with each end of each range of what is not known of a set-up, of all together
+    that lower it, and that raise it: {words: velocity, or why there is none}."""
+
+    def run(shares: dict[str, float]) -> float | str:
+        try:
+            return float(compute(unknown.put_all(setup, unknown.ALIKE, shares)))
+        except wc.WeavecellError as problem:
+            return str(problem)
+
+    nominal = float(compute(setup))
+    found: dict[str, float | str] = {"nominal": nominal}
+    lower: dict[str, float] = {}
+    higher: dict[str, float] = {}
+    for name, (row, _) in unknown.find_drawn(setup, unknown.ALIKE).items():
+        if not row.of_cloth:
+            continue
+        ends = {share: run({name: share}) for share in (0.0, 1.0)}
+        found |= {f"{name}, {'high' if share else 'low'}": one for share, one in ends.items()}
+        known = {one: share for share, one in ends.items() if isinstance(one, float)}
+        for chosen, sign in ((lower, -1.0), (higher, 1.0)):
+            furthest = max(known, key=lambda one: sign * one, default=None)
+            if furthest is not None and sign * (furthest - nominal) > 0:
+                chosen[name] = known[furthest]
+    found["all that lower it"] = run(lower)
+    found["all that raise it"] = run(higher)
+    return found
 
 
 def v50(

@@ -15,7 +15,7 @@ from scipy.stats import qmc
 from validation.cases import impact, noses
 from validation.values import Values
 from weavecell.runs import sweep, table, v50
-from weavecell.studies import assumed_range, ballistic_limit, inputs, places, strengths, unknown
+from weavecell.studies import ballistic_limit, inputs, places, strengths, unknown
 
 # of an indicator in words, "name 0.2 (limit 0.1; remedy); name 3 (...)", the name
 OF_A_DOUBT = re.compile(r"(?:^doubtful: |\); )([a-z][a-z -]*?) -?[\d.]")
@@ -44,10 +44,9 @@ def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywo
     share, *place, yarns, nose = map(float, sequence.random()[0])
     velocity = velocities[0] + share * (velocities[1] - velocities[0])
     this = places.resolve(impact.setup(velocity=velocity, nose_friction=noses.ASSUMED, **keywords))
-    for (name, (low, high)), drawn in zip(
-        sorted(unknown.find_unknown(this).items()), (yarns, nose)
-    ):
-        this = assumed_range.set_value(this, name, low + drawn * (high - low))
+    drawn = {"friction between yarns": yarns, "friction on the nose": nose}
+    shares = {name: drawn[name] for name in unknown.find_unknown(this)}
+    this = unknown.put_all(this, unknown.ALIKE, shares)
     # a repeat of plain weave has two crossovers each way
     u, v = (2 * share - 1 for share in place)
     this = places.strike_at(this, (u, v))

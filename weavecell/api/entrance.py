@@ -28,8 +28,13 @@ _V50 = "v50 answers over all that nobody gave"
 _DRAWN = "all that nobody gave is drawn"
 # {function: {option of earlier versions: what took its place}}, with options as the command line names them
 GONE = {
-    "impact": {"interval": "one run is made, and --draws 16 fires 16 drawn shots beside it"},
-    "critical_velocity": {"interval": f"one limit is searched, and {_V50}"},
+    "impact": dict.fromkeys(
+        ("interval", "assumed_range"),
+        "one run is made, and --draws 16 fires 16 drawn shots beside it",
+    ),
+    "critical_velocity": dict.fromkeys(
+        ("interval", "assumed_range"), f"one limit is searched, and {_V50}"
+    ),
     "v50": {"assumed_range": _DRAWN},
     "compare": {
         "quantity": "V50 is compared, over all that nobody gave",

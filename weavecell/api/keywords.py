@@ -99,19 +99,21 @@ class Keywords(TypedDict, total=False):
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
     ply_gap : pack: clearance between plies at rest; if not given the gap of the fabric file, else
-        an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm"
+        an assumed gap with a range [m]; a length of at least 0, such as "0.12 mm", or a range such
+        as "0.12 mm ± 5 %"
     ply_contact : pack: law of pressure against closure between two plies; if not given the law in
         the file of `fabric.law`, in the fabric file, or of solid fibre, in this order; "solid",
         "pressure_law", or the path of a law.json of `weavecell calibrate` or of a *.csv
     ply_friction : pack: Coulomb coefficient between plies; if not given assumed, by the fibre
-        family; a number from 0 to 2
+        family; a number from 0 to 2, or a range such as "0.15 to 0.25" or "0.2 ± 0.05"
     zone : resolved yarns: half width of the square zone about the nose; if not given 20 mm, or 3 mm
         divided by `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; by it, too, the plies of a pack whose edges are clamped are shifted
         against each other, by 0 if not given; a whole number from 0 to 2147483647
     crossover_friction : resolved yarns: Coulomb coefficient of yarn on yarn; assumed by fibre
-        family if not given, 0.2 of para-aramid; a number from 0 to 2
+        family if not given, 0.2 of para-aramid; a number from 0 to 2, or a range such as "0.15 to
+        0.25" or "0.2 ± 0.05"
     yarn_failure : whether a yarn fails at its strength; true or false
     rate_dependence : strength of the yarns as a function of their strain rate, and their modulus at
         high rates, from the table `[strain_rate]` of the fabric file, else assumed by fibre family;
@@ -153,10 +155,10 @@ class Keywords(TypedDict, total=False):
     stacking: Literal["aligned", "alternating"]
     ply_gap: Quantity | None
     ply_contact: PlyLaw | FilePath | None
-    ply_friction: Number | None
+    ply_friction: Quantity | None
     zone: Quantity | None
     aim_seed: int | None
-    crossover_friction: Number | None
+    crossover_friction: Quantity | None
     yarn_failure: bool
     rate_dependence: bool
     end_time: Quantity

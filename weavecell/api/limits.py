@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
@@ -35,15 +35,14 @@ from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import say_before_range
 from weavecell.api.run_size import LOOKS, StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.report import checks
 from weavecell.report.pictures_style import BLUE, GREEN, ORANGE, RED
 from weavecell.report.plot import Layer, Plot
-from weavecell.results import one_table, out_folder, progress
-from weavecell.results.finding import Answer, Mover
+from weavecell.results import one_table, out_folder
+from weavecell.results.finding import Answer
 from weavecell.results.left_out import SAMPLING, LeftOut, say_nominal
 
 if TYPE_CHECKING:
@@ -52,7 +51,6 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
     from weavecell.api.target import Target
-    from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.ballistic_limit import Limit, Shot
     from weavecell.studies.lambert_jonas import LambertJonas
     from weavecell.studies.limit_scan import ScanRange
@@ -83,8 +81,6 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     v50_shots, residual_shots : numbers of shots
     scan : ScanRange, or None
     only_mixed : whether it is scanned only where outcomes mix
-    over : what is changed for the range over what is assumed; None without one
-    assumed_range : as it was asked for; False where nothing is assumed
     """
 
     files = NAMES
@@ -95,8 +91,6 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
     residual_shots: int
     scan: ScanRange | None
     only_mixed: bool
-    over: Any
-    assumed_range: bool | str
 
     @property
     def inputs(self) -> Sequence[object]:
@@ -107,33 +101,25 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
 
     def forecast(self) -> StudySize:
         """Forecast shots and CPU time."""
-        from weavecell.studies import assumed_range as ranges
         from weavecell.studies import limit as limits
 
         fired = self.residual_shots + self.v50_shots
         if self.scan is not None:
             steps = round((self.scan.above + self.scan.below) / self.scan.step)
             fired += LOOKS if self.only_mixed else steps
-        searches = 1
-        if self.over is not None:
-            searches += ranges.searches(self.over)
         panel = self.target
         width = self.tolerance or limits.usual_tolerance(panel.setup.target())
         return StudySize.estimate(
-            panel.setup, panel.title, fired, searches, tolerance=width, scene=panel.scene
+            panel.setup, panel.title, fired, 1, tolerance=width, scene=panel.scene
         )
 
     def run(self, running: Running) -> CriticalVelocityResult:
-        """Search the limit, and its range over what is assumed."""
+        """Search the limit."""
         study = self._search(self.target, running)
         result = CriticalVelocityResult(
             self.target, study.limit, study.fit, scan=study.scan, wall_time=running.wall_time
         )
-        running.save(result)
-        if self.over is None:
-            return result
-        say_before_range(str(result.answer))
-        return running.save(replace(result, assumed_range=self._range(self.over, study, running)))
+        return running.save(result)
 
     def _search(self, panel, running):
         from weavecell.studies import limit as limits
@@ -149,22 +135,6 @@ class LimitPlan(Plan["CriticalVelocityResult"]):
             folder=running.kept,
             **running.how.pool,
         )
-
-    def _range(self, over, study, running):
-        """AssumedRange of the limit, searched with the same tolerance and pool."""
-        from weavecell.studies import assumed_range as ranges
-        from weavecell.studies import pack_limit
-
-        width = self.tolerance or pack_limit.SCATTER * study.limit.velocity
-        with progress.bar("Range over what is assumed") as advance:
-            return ranges.critical_velocity(
-                over,
-                study.limit.velocity,
-                on_progress=advance,
-                tolerance=width,
-                folder=running.kept,
-                **running.how.pool,
-            )
 
     def give_up(self, running: Running, problem: BaseException) -> None:
         """Write the shots so far, and the input."""
@@ -183,7 +153,6 @@ def critical_velocity(
     scan_above: float | str | None = None,
     scan_below: float | str | None = None,
     scan_step: float | str | None = None,
-    assumed_range: bool | Literal["laws"] = False,
     check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
 ) -> LimitPlan:
@@ -225,8 +194,6 @@ def critical_velocity(
         This and the next two are refused where nothing is scanned
     scan_below : range below the lowest perforation that is scanned for others; if not given 10 %
     scan_step : interval between shots of the scan; if not given 2 %
-    assumed_range : repeat the search with both ends of each assumption on fabrics and set-up. Without
-        this option a command does so if a law or the crimp is assumed; "laws" does so in Python
     check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
@@ -246,7 +213,6 @@ def critical_velocity(
     >>> round(limit.critical_velocity, -1), limit.bracket_checks  # [m/s]
     (90.0, 'ok')
     """
-    from weavecell.studies import assumed_range as ranges
     from weavecell.studies import pack_limit, strengths
     from weavecell.studies.limit_scan import ScanRange
 
@@ -278,9 +244,6 @@ def critical_velocity(
         around = None
         unused = {f"scan_{key}": value for key, value in shares.items()}
         quantities.refuse_unused(unused, f"without a scan, which {option('scan')} makes")
-    over = ranges.with_ends(panel.setup, assumed_range)
-    if over is None:
-        assumed_range = False
     if width is None and not pack:
         width = 1.0
     return LimitPlan(
@@ -290,8 +253,6 @@ def critical_velocity(
         residual_shots,
         around,
         scan is None,
-        over,
-        assumed_range,
     )
 
 
@@ -330,7 +291,6 @@ class CriticalVelocityResult(StudyResult):
     target : `weavecell.api.target.Target` that was shot at
     limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
-    assumed_range : AssumedRange of the critical velocity, or None
     scan : ScanRange about the bracket that was scanned, or None
     wall_time : [s]
 
@@ -347,7 +307,6 @@ class CriticalVelocityResult(StudyResult):
     target: Target
     limit: Limit
     lambert_jonas: LambertJonas
-    assumed_range: AssumedRange | None = None
     scan: ScanRange | None = None
     wall_time: float = 0.0
 
@@ -428,7 +387,7 @@ class CriticalVelocityResult(StudyResult):
         """The limit over what its shots cover, and what moves it."""
         from weavecell.studies import unknown
 
-        limit, around = self.limit, self.assumed_range
+        limit = self.limit
         value = f"{limit.velocity:.3g} m/s, between {limit.low:.3g} and {limit.high:.3g}"
         if limit.mixed_zone is not None:
             value = "no single limit, outcomes mix from {:.3g} to {:.3g} m/s".format(
@@ -436,12 +395,8 @@ class CriticalVelocityResult(StudyResult):
             )
         if self.v50 is not None:
             value = self.v50.words()
-        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target)}"
-        moved: tuple[Mover, ...] = ()
-        if around is not None:
-            value += f"; over assumed data {around.span}"
-            moved += around.movers
-        return self._find_answer(self._name_shot("ballistic limit"), value, moved, over=over)
+        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target.setup, self.target.is_placed)}"
+        return self._find_answer(self._name_shot("ballistic limit"), value, over=over)
 
     def _what(self):
         return ": ".join((f"{self.target.title}, critical velocity", *self._doubt()))
@@ -480,8 +435,6 @@ class CriticalVelocityResult(StudyResult):
             "shots": one_table.records(self.shots, self.kind),
         }
         content |= checks.summary(self.checks)
-        if self.assumed_range is not None:
-            content["assumed_range"] = self.assumed_range.summary()
         return {
             "critical-velocity.json": content,
             "shots.csv": self.to_csv(),
@@ -524,8 +477,6 @@ class CriticalVelocityResult(StudyResult):
         if not fit.reason:
             rms = f", rms {fit.residual_rms:.1f} m/s"
         lines.append(f"Lambert-Jonas: {fit.words()}{rms}")
-        if self.assumed_range is not None:
-            lines.append(f"assumed laws: {self.assumed_range.words()}")
         if self.critical_velocity is not None:
             lines += regression_line.remarks(self.target.setup, self.critical_velocity)
         return lines

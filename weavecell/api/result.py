@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import logging
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -155,16 +154,13 @@ class Result:
         return list(self._lines_of(assumed.laws))
 
     def _what_is_assumed(self) -> dict[str, Any]:
-        """Entries of a summary: what is doubtful, what is assumed, and the range over it."""
-        around = getattr(self, "assumed_range", None)
+        """Entries of a summary: what is doubtful, and what is assumed."""
         entries = self._what_is_doubtful()
         if self.assumed:
             entries |= {"assumed": "; ".join(self.assumed)}
         if self.left_out:
             entries["left_out"] = "; ".join(part.text for part in self.left_out)
-        if around is None:
-            return entries
-        return entries | {"assumed_range": around.words()}
+        return entries
 
     def _what_is_doubtful(self) -> dict[str, str]:
         """The entry of a summary and of a JSON file: what is doubtful; none where nothing is."""
@@ -313,14 +309,6 @@ def _with_doubts(show):
 def remember_folder(result: Result, folder: FilePath) -> None:
     """Note at a result, which is frozen, the folder that holds it."""
     vars(result)["folder"] = Path(folder)
-
-
-def say_before_range(line: str) -> None:
-    """Say what is known before the range over what is assumed is computed, which takes many runs and
-    may find none."""
-    log = logging.getLogger("weavecell")
-    log.info(line)
-    log.info("the range over what is assumed is computed now")
 
 
 def plain(value: object) -> bool:

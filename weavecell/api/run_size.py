@@ -369,7 +369,6 @@ class StudySize(_Size):
     shots : number, about, with those of its searches
     searches : of a limit, of `shots_of_a_search` each
     cpu_time : (lowest, highest) [s]
-    of_range : shots that the range over what is assumed adds, with those of its searches
     foreseen, said : of RunSize, of its shots
 
     Examples
@@ -383,7 +382,6 @@ class StudySize(_Size):
     shots: int
     searches: int
     cpu_time: tuple[float, float]
-    of_range: int = 0
     foreseen: tuple[str, ...] = ()
     said: Wording = NOTHING
 
@@ -394,7 +392,6 @@ class StudySize(_Size):
         title: str,
         shots: int,
         searches: int = 0,
-        repeats: int = 0,
         tolerance: float = WIDTH,
         *,
         scene: Scene | None = None,
@@ -402,9 +399,6 @@ class StudySize(_Size):
         drawn: bool = False,
     ) -> StudySize:
         """Estimate the size of shots and searches at a set-up.
-
-        All searches but the first, and `repeats` of the shots, are of the range over what is
-        assumed.
 
         Parameters
         ----------
@@ -426,9 +420,8 @@ class StudySize(_Size):
         # each shot may be fired again
         first, last = np.add(of_a_run.cpu_time, (0.0, of_a_run.again))
         low, high = shots * of_a_shot * np.multiply((first, last), DURATION)
-        of_range = of_a_search * max(searches - 1, 0) + repeats
         told: dict[str, Any] = {"foreseen": of_a_run.foreseen, "said": of_a_run.said}
-        return cls(title, shots, searches, (low, high), of_range, **told)
+        return cls(title, shots, searches, (low, high), **told)
 
     @classmethod
     def add_up(cls, title: str, names: Sequence[str], sizes: Sequence[StudySize]) -> StudySize:
@@ -436,13 +429,12 @@ class StudySize(_Size):
         low, high = (sum(size.cpu_time[end] for size in sizes) for end in (0, 1))
         shots = sum(size.shots for size in sizes)
         searches = sum(size.searches for size in sizes)
-        of_range = sum(size.of_range for size in sizes)
         foreseen = dict.fromkeys(line for size in sizes for line in size.foreseen)
         told: dict[str, Any] = {
             "foreseen": tuple(foreseen),
             "said": Wording.merge(names, [size.said for size in sizes]),
         }
-        return cls(title, shots, searches, (low, high), of_range, **told)
+        return cls(title, shots, searches, (low, high), **told)
 
     def summary(self) -> dict[str, Any]:
         """Return all of it, names with units."""
@@ -462,12 +454,6 @@ class StudySize(_Size):
             f"{self.title}: nothing is run",
             f"about {counted(self.shots, 'shot')}{searches}; {self.cost}",
         ]
-        if self.of_range:
-            own = self.shots - self.of_range
-            lines.append(
-                f"{own:,} of these shots are the study itself, {self.of_range:,} the range over what is "
-                "assumed, which can be left out"
-            )
         lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]

@@ -26,7 +26,6 @@ from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
-from weavecell.results.left_out import LeftOut, leave_out_drawn
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -297,11 +296,6 @@ class V50Result(StudyResult):
         if not any(columns["widened"]):
             del columns["widened"]
         return columns
-
-    @property
-    def left_out(self) -> tuple[LeftOut, ...]:
-        """As in `StudyResult`, of what is assumed that which is not drawn."""
-        return leave_out_drawn(super().left_out, self.target.setup)
 
     @property
     def answer(self) -> Answer:

@@ -30,7 +30,7 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
+from typing import TYPE_CHECKING, Any, Unpack, cast
 
 import numpy as np
 
@@ -45,7 +45,7 @@ from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import Result, figure, remember_folder, say_before_range
+from weavecell.api.result import Result, figure, remember_folder
 from weavecell.api.run_size import RunSize, StudySize
 from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.api.wording import Wording
@@ -57,7 +57,6 @@ from weavecell.results.impact_shapes import Shape
 from weavecell.results.left_out import (
     LeftOut,
     find_left_out,
-    leave_out_drawn,
     lines_of,
     say_nominal,
     summarise,
@@ -74,11 +73,9 @@ if TYPE_CHECKING:
     from weavecell.results.result_folder import ResultFolder
     from weavecell.runs.passing import Passing
     from weavecell.scenes.build import Case
-    from weavecell.studies.assumed_range import AssumedRange
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
     from weavecell.studies.window import Window
 
-RANGE = "range"  # folder of the finished shots of the range over what is assumed
 DRAWS = "draws"  # folder of the finished drawn shots, and the name of their table and chapter
 WINDOW = "window"  # folder of the finished shots at other velocities
 SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")
@@ -103,8 +100,6 @@ class ShotPlan(Plan["ShotResult"]):
     target : Target
     accuracy : (quantity, uncertainty that is asked of it) of [accuracy]; None without
     uncertainty : whether a finer mesh is run too
-    over : what is changed for the range over what is assumed; None without one
-    assumed_range : as it was asked for; False where nothing is repeated
     draws, seed : number of drawn shots beside it, and of all that is drawn
     written : whether files and pictures are made, which take memory
     """
@@ -115,8 +110,6 @@ class ShotPlan(Plan["ShotResult"]):
     target: Target
     accuracy: tuple[str, float] | None
     uncertainty: bool
-    over: ImpactSetup | None
-    assumed_range: bool | str
     draws: int
     seed: int
     written: bool
@@ -133,7 +126,6 @@ class ShotPlan(Plan["ShotResult"]):
         given = (
             self.target.text,
             self.target.setup,
-            self.assumed_range,
             self.uncertainty,
             (self.draws, self.seed),
         )
@@ -180,8 +172,6 @@ class ShotPlan(Plan["ShotResult"]):
             result, running.failure = shooting.fire()
         if self.draws and running.failure is None:
             result = _with_draws(result, self, running.folder)
-        if self.over is not None and running.failure is None:
-            result = _with_range(result, self.over, running.folder)
         if running.folder is not None:
             self._save(result, running.folder)
         return result
@@ -192,7 +182,7 @@ class ShotPlan(Plan["ShotResult"]):
             result.save(folder)
         for checkpoint in run_folder.list_checkpoints(folder):
             checkpoint.unlink()
-        for name in (WINDOW, RANGE, DRAWS):
+        for name in (WINDOW, DRAWS):
             run_cache.RunCache(folder / name).clear()
 
     def give_up(self, running: Running, problem: BaseException) -> None:
@@ -213,7 +203,6 @@ def impact(
     *,
     draws: int = 0,
     seed: int | None = None,
-    assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
     check: bool = False,
     out: FilePath | None = None,
@@ -239,9 +228,6 @@ def impact(
     draws : fire so many drawn shots beside it, as `v50` draws them, for the share that perforates with its
         interval of 90 %, and residual velocity and deflection that 1, 5 and 9 in 10 keep below
     seed : of all that is drawn, 1 if not given; refused without `draws`
-    assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
-        set-up; without this option a command does so if a law or the crimp is assumed; in Python
-        "laws" does. Refused of a pack and with [accuracy], which take too long for it
     uncertainty : run a finer mesh too, and report the discretisation uncertainty of each result; of
         a shot that perforates, on both meshes, the mean over a window of +-8 % of the velocity with
         its standard error
@@ -273,7 +259,6 @@ def impact(
     panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
     # bad input is told before the solver is loaded
     from weavecell.runs import table
-    from weavecell.studies import assumed_range as ranges
     from weavecell.studies import inputs, strengths
 
     accuracy = None
@@ -300,17 +285,7 @@ def impact(
             strengths.check_places(table.as_fired(panel.setup), inputs.read_scatter(), seed, count)
     else:
         quantities.refuse_unused({"seed": seed}, f"without {option('draws', '')}")
-    over = ranges.with_ends(panel.setup, assumed_range)
-    # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
-    if panel.setup.plies > 1 or accuracy:
-        if assumed_range is True:
-            allowed = "left out of a pack and with [accuracy], since it takes a shot for each end"
-            raise InputError(key="assumed_range", allowed=allowed)
-        over = None
-    if over is None:
-        assumed_range = False
-    written = out is not None
-    return ShotPlan(panel, accuracy, uncertainty, over, assumed_range, count, seed or 1, written)
+    return ShotPlan(panel, accuracy, uncertainty, count, seed or 1, out is not None)
 
 
 @dataclass(frozen=True)
@@ -459,22 +434,6 @@ def _with_draws(shot, plan, folder):
     return replace(shot, draws=_compute_beside(shot, folder, "its drawn shots", compute))
 
 
-def _with_range(shot, with_ends, folder):
-    """The ShotResult with its range over what is assumed."""
-    from weavecell.studies import assumed_range
-
-    say_before_range(str(shot.answer))
-    runs = folder and folder / RANGE
-
-    def compute():
-        with progress.bar("Range over the assumed laws") as advance:
-            return assumed_range.residual_velocity(
-                with_ends, shot.outcome, shot.residual_velocity, advance, runs
-            )
-
-    return replace(shot, assumed_range=_compute_beside(shot, folder, "its range", compute))
-
-
 def _compute_beside(shot, folder, about, compute):
     """What takes many more runs than the shot beside which it stands: compute(), or None if the user
     ends it and nothing is written. The numbers of the shot are written first.
@@ -511,7 +470,7 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "doubts", "assumed", "assumed_range", "draws", "left_out"),
+    *("checks_text", "doubtful", "doubts", "assumed", "draws", "left_out"),
     "wall_time",
 )
 
@@ -527,7 +486,6 @@ class ShotResult(ImpactRecord, Result):
     shapes : of each instant of `snapshot_interval` the tuple of the plies' Shape
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
-    assumed_range : AssumedRange of the residual velocity over the assumed laws, or None
     draws : Passing, drawn shots of its velocity, or None
     target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
@@ -548,7 +506,6 @@ class ShotResult(ImpactRecord, Result):
     shapes: tuple[tuple[Shape, ...], ...] = ()
     fabric: Fabric | None = None
     assumed: tuple[str, ...] = ()
-    assumed_range: AssumedRange | None = None
     draws: Passing | None = None
     target: Target | None = None
     pair: Discretisation | None = None
@@ -610,13 +567,12 @@ class ShotResult(ImpactRecord, Result):
         compared = self.pair is not None
         found = find_left_out(
             self.target.setup,
-            self.assumed_range,
             mesh_compared=compared,
             drawn=self.draws is not None,
             one_shot=True,
         )
         if self.draws is not None:
-            return leave_out_drawn(found, self.target.setup)
+            return found
         return (*say_nominal(self.target.setup, "--draws 16"), *found)
 
     @property
@@ -633,7 +589,7 @@ class ShotResult(ImpactRecord, Result):
 
         said = "one run"
         if self.target is not None:
-            said += f": {unknown.say_run(self.target)}"
+            said += f": {unknown.say_run(self.target.setup, self.target.is_placed)}"
         return "; ".join(filter(None, (said, self.widened)))
 
     @property
@@ -644,7 +600,6 @@ class ShotResult(ImpactRecord, Result):
 
         if self.said is not None:
             return self.said
-        around = self.assumed_range
         value, outcome = chapters_shot.outcome(self), self.outcome
         over = self._run_words
         moved: tuple[Mover, ...] = ()
@@ -655,10 +610,6 @@ class ShotResult(ImpactRecord, Result):
             over = f"{shots}: {unknown.say_drawn(self.target.setup)}"
             value, outcome = self.draws.words(), self.draws.outcome
             advice = tuple(unknown.FRICTIONS[name].advice for name in self.draws.unknown)
-        if around is not None:
-            moved += around.movers
-            if around.high > 0:
-                value += f"; over assumed data {around.span} left"
         if self.rigid_check.endswith("elastic projectile"):
             moved += (Mover("yielding of the projectile", 'projectile.body = "elastic_bar"'),)
         return self._find_answer(self.title, value, moved, advice, outcome=outcome, over=over)
@@ -848,9 +799,6 @@ class ShotResult(ImpactRecord, Result):
             content["draws"] = self.draws.summary()
             table = one_table.frame(one_table.columns(self.draws.shots, "v50"), "v50")
             files.write(out / f"{DRAWS}.csv", one_table.csv(table))
-        content |= (
-            {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
-        )
         content |= {
             "projectile": words.shot_in_words(projectile),
             "provenance": stamp,
@@ -881,8 +829,6 @@ class ShotResult(ImpactRecord, Result):
             sections.insert(-1, chapters_shot.critical(self, used))
         if self.pair is not None:
             sections.append(chapters_discretisation.section(self.pair))
-        if self.assumed_range is not None:
-            sections.append(chapters_shot.describe_assumed_range(self.assumed_range))
         if self.measured:
             places = ()
             if scene.history:
@@ -900,6 +846,7 @@ class ShotResult(ImpactRecord, Result):
         sections += chapters_shot.body(self)
         if self.draws is not None:
             sections.append(chapters_shot.describe_draws(self.draws))
+            sections.append(chapters_shot.describe_unknown(setup))
         if case.surface is None:
             laws = {case.law_name: case.laws}
             cell = chapters.cell(case.fabric, laws, scene.fabric.cell_model)
@@ -951,8 +898,6 @@ class ShotResult(ImpactRecord, Result):
             lines.append(chapters_shot.dent(self))
         if self.viscous_note:
             lines.append(self.viscous_note)
-        if self.assumed_range is not None:
-            lines.append(f"assumed laws: {self.assumed_range.words()}")
         if self.pair is not None:
             lines.append(chapters_discretisation.words(self.pair))
         elif self.outcome == "perforated":

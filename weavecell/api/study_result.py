@@ -89,9 +89,7 @@ class StudyResult(DrawnResult):
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `Result`, of shots at the target."""
-        return find_left_out(
-            self.target.setup, getattr(self, "assumed_range", None), drawn=self.draws_strengths
-        )
+        return find_left_out(self.target.setup, drawn=self.draws_strengths)
 
     @property
     def notes(self) -> list[str]:
@@ -134,9 +132,9 @@ class StudyResult(DrawnResult):
         table = Table.from_frame(self.table())
         sections = [Section("result", "Result", "", (), (table,))]
         sections += self._own_chapters()
-        around = getattr(self, "assumed_range", None)
-        if around is not None:
-            sections.append(chapters_shot.describe_assumed_range(around))
+        if self.draws_strengths:
+            scatter = getattr(getattr(self, "study", None), "scatter", None)
+            sections.append(chapters_shot.describe_unknown(setup, scatter))
         remarks = (*self.lines(), *lines_of(self.left_out))
         sections.append(Section("remarks", "Remarks", points=remarks, folded=True))
         laws = list_assumptions(setup)

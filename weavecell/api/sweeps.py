@@ -56,7 +56,7 @@ from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
 from weavecell.results.finding import Answer
 from weavecell.results.keys import find_axis
-from weavecell.results.left_out import LeftOut, leave_out_drawn, say_nominal
+from weavecell.results.left_out import LeftOut, say_nominal
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
 
@@ -509,7 +509,7 @@ class SweepTable(StudyResult):
     def left_out(self) -> tuple[LeftOut, ...]:
         """As in `StudyResult`; and what each row takes of all that nobody gave."""
         if self.quantity == "v50":
-            return leave_out_drawn(super().left_out, self.target.setup)
+            return super().left_out
         return (*say_nominal(self.target.setup, "v50"), *super().left_out)
 
     @property

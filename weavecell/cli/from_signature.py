@@ -29,8 +29,6 @@ from weavecell.results import glossary, progress
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
-# what a function that takes it gets where neither the option nor --no-... is given
-LEFT_OUT = {"assumed_range": "laws"}
 ARGUMENTS = ("target", "other", "tests", "fabric", "name", "file", "record")
 METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 # options with another name than their parameter
@@ -75,9 +73,6 @@ def command(
         progress.told = verbose or not has_checks or bool(values.get("check"))
         if has_checks and "out" in values and values["out"] is None:
             values["out"] = _folder(name, parameters, values)
-        for key, value in values.items():
-            if value is None:
-                values[key] = LEFT_OUT.get(key)
         chosen = {key: value for key, value in values.items() if value not in (None, [])}
         with warnings.catch_warnings():
             # the line of the checks says it already
@@ -207,9 +202,6 @@ def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
     name = parameter.name
     default = DEFAULTS.get(name, parameter.default)
-    chosen = name in LEFT_OUT and repr(LEFT_OUT[name]) in parameter.annotation.replace('"', "'")
-    if chosen and default is False:
-        default = None
     kind = _kind(parameter.annotation)
     choices = re.search(r"Literal\[(.*?)\]", parameter.annotation)
     metavar = METAVARS.get(name)
@@ -235,7 +227,7 @@ def _parameter(parameter, meaning):
     if default is parameter.empty and not required:
         default = None
     words = [_option(name)]
-    if default is True or chosen or parameter.annotation == "bool | None":
+    if default is True or parameter.annotation == "bool | None":
         words = [f"{words[0]}/--no-{words[0][2:]}"]
     if name in SHORT:
         words.append(SHORT[name])

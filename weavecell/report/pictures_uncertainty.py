@@ -17,7 +17,6 @@ from weavecell.report.pictures_style import (
     ORANGE,
     RED,
     legend_below,
-    legend_beside,
 )
 from weavecell.results.keys import find_axis
 from weavecell.runs.go_no_go import LEVELS
@@ -29,30 +28,10 @@ if TYPE_CHECKING:
     from weavecell.runs.passing import Passing
     from weavecell.runs.sweep import Quantity
     from weavecell.runs.v50 import Study
-    from weavecell.studies.assumed_range import AssumedRange
 
 NARROW = (
     5.6  # inch: of a picture that a page shows beside its answer, and a phone as wide as itself
 )
-
-
-def tornado(pyplot: Any, around: AssumedRange, title: str) -> Any:
-    """Draw the lowest and highest velocity over each assumed range alone, the widest on top, with
-    its share; all together."""
-    nominal = around.rows[0].velocity or 0.0
-    y = np.arange(len(around.widths))
-    low, high = np.array(list(around.widths.values())).T
-    figure, axis = pyplot.subplots(figsize=(9, 1.8 + 0.42 * y.size))
-    axis.axvspan(around.low, around.high, color=FAINT, alpha=0.25, lw=0, label="all runs")
-    for ends, colour, label in ((low, BLUE, "below nominal"), (high, ORANGE, "above nominal")):
-        axis.barh(y, ends - nominal, 0.62, left=nominal, color=colour, label=label)
-    axis.axvline(nominal, color=INK, lw=1.2, label=f"nominal, {nominal:.1f} m/s")
-    axis.set_yticks(y, [f"{name}, {100 * share:.0f} %" for name, share in around.shares.items()])
-    axis.invert_yaxis()
-    axis.grid(axis="y", visible=False)
-    axis.set(xlabel=f"{around.quantity} [m/s]", title=title)
-    legend_beside(axis)
-    return figure
 
 
 def perforation(pyplot: Any, study: Study) -> Any:

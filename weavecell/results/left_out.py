@@ -1,4 +1,4 @@
-"""What a number leaves out: the mesh, the sampling, assumed data and the model.
+"""What a number leaves out: the mesh, the sampling, the model, and of a single run what nobody gave.
 
 One place says so of each result; terminal, JSON, report and notebook take it from here.
 """
@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 from fabrics.base.door import name_options, option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from shellfabric.impact.setup import ImpactSetup
 
 MESH = "mesh"
 SAMPLING = "sampling"
-DATA = "assumed data"
 MODEL = "model"
 
 
@@ -27,7 +26,7 @@ class LeftOut:
 
     Parameters
     ----------
-    kind : MESH, SAMPLING, DATA or MODEL
+    kind : MESH, SAMPLING, MODEL or what nobody gave
     brief : in a few words
     text : what is left out, and what covers it
     settle : what to run or to give, with options as the command line names them
@@ -41,7 +40,6 @@ class LeftOut:
 
 def find_left_out(
     setup: ImpactSetup,
-    around: Any = None,
     *,
     mesh_compared: bool = False,
     drawn: bool = False,
@@ -51,13 +49,11 @@ def find_left_out(
 
     Parameters
     ----------
-    around : AssumedRange that stands beside the number, or None
     mesh_compared : whether the result has a discretisation uncertainty
     drawn : whether yarns of drawn strengths were shot at
     one_shot : whether it is of an impact, which compares meshes
     """
     from shellfabric.impact.proposals import fill
-    from weavecell.studies import assumed_range, unknown
 
     found = []
     if setup.crossovers is None:
@@ -68,18 +64,6 @@ def find_left_out(
         if words:
             text += f" ({words})"
         found.append(LeftOut(MODEL, "slip of yarns, which are pinned", text, words))
-    nominal = unknown.find_unknown(setup)
-    listed = [name for name in assumed_range.changes(setup) if name not in nominal]
-    names = ", ".join(listed)
-    friction = ""
-    if around is not None and setup.crossovers is not None:
-        # an answer rests on it first
-        friction = around.over_friction_between_yarns
-    if around is None and names:
-        text = f"the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
-        found.append(LeftOut(DATA, name_some(listed), text, "--assumed-range"))
-    elif friction:
-        found.append(LeftOut(DATA, friction, f"{around.quantity} rests on {friction}"))
     if not mesh_compared:
         text = f"the error of the mesh is not computed; {option('uncertainty')} of an impact, or docs/accuracy.md"
         found.append(LeftOut(MESH, "mesh", text, "--uncertainty" if one_shot else ""))
@@ -102,25 +86,6 @@ def say_nominal(setup: ImpactSetup, way: str) -> tuple[LeftOut, ...]:
         said = f"{unknown.PLACE}, {said}"
     text = f"it is at nominal values of what nobody gave: {said}; {name_options(way)} draws them"
     return (LeftOut("what nobody gave", said, text, way),)
-
-
-def leave_out_drawn(parts: Sequence[LeftOut], setup: ImpactSetup) -> tuple[LeftOut, ...]:
-    """Return what is left out of numbers over all that is drawn: of what is assumed that which is not."""
-    from weavecell.studies import assumed_range, unknown
-
-    drawn = unknown.find_unknown(setup)
-    names = [name for name in assumed_range.changes(setup) if name not in drawn]
-    others = tuple(part for part in parts if part.kind != DATA)
-    if not names:
-        return others
-    return LeftOut(DATA, name_some(names), f"not drawn: {', '.join(names)}"), *others
-
-
-def name_some(names: list[str]) -> str:
-    """Name the first two of several things, and say how many others there are."""
-    if len(names) < 4:
-        return ", ".join(names)
-    return f"{', '.join(names[:2])} and {len(names) - 2} more inputs"
 
 
 def lines_of(left_out: Iterable[LeftOut]) -> list[str]:

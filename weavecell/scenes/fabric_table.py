@@ -62,6 +62,7 @@ class InlineLaw(Table):
         "m",
         "0.045 mm",
         zero=True,
+        ranged=True,
     )
     b: quantity(
         "coefficient of the cube root of the contact force",
@@ -69,6 +70,7 @@ class InlineLaw(Table):
         "0.058 mm N^(1/3)",
         zero=True,
         kind="a value {} in mm N^(1/3)",
+        ranged=True,
     )
     form: one_of(
         "behaviour at zero contact force: `regularised` (finite stiffness) or as `printed` in the thesis",
@@ -129,6 +131,7 @@ class WeavingDamageTable(Table):
         "strength of the woven yarn over the strength of the virgin yarn; if not given, it is assumed as without "
         "this table",
         0.8,
+        ranged=True,
         gt=0.0,
         le=1.0,
     ) = None

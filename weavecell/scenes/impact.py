@@ -136,6 +136,7 @@ class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # 
     friction: number(
         "Coulomb coefficient between projectile and fabric; assumed by fibre family if not given",
         0.2,
+        ranged=True,
         ge=0.0,
         le=2.0,
     ) = None

@@ -13,26 +13,14 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from fabrics import data_sheet, families, plausible, variants
-from fabrics.assumed import friction_between_yarns, shot_entries
+from fabrics import families, plausible, variants
 from fabrics.base.checks import fraction, refuse
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_data
 from fabrics.fabric import Fabric
 from shellfabric.impact.setup import ImpactSetup
 
-FRICTION_OF_CROSSOVERS = "friction of crossovers"  # of `ranges`
 _PATH = Path(__file__).with_suffix(".toml")
-# field of `YarnZone` and key of its assumed.toml, by what is assumed of resolved yarns
-OF_RESOLVED_YARNS = {
-    "lateral stiffness of yarns": ("lateral", "lateral_stiffness"),
-    "edge of yarns under the nose": ("edge", "edge"),
-}
-# key of data_sheet.toml, by what is assumed of packs
-OF_PACKS = {
-    "area of packed fabric": "packed_area",
-    "energy given back by plies": "ply_resilience",
-}
 
 
 @dataclass(frozen=True)
@@ -69,20 +57,6 @@ class Scatter:
 def table(section: str) -> dict[str, families.Entry]:
     """Read the entries of a section, by name."""
     return families.entries(read_data(_PATH)[section])
-
-
-def ranges(*fabrics: Fabric) -> dict[str, families.Entry]:
-    """Read the entries of shots with these fabrics, of [assumed], of resolved yarns and of packs, by
-    name."""
-    from shellfabric.yarns.model import DATA
-
-    of_sheet = data_sheet.entries()
-    assumed = shot_entries(*fabrics) | table("assumed")
-    assumed[FRICTION_OF_CROSSOVERS] = friction_between_yarns(*fabrics)
-    for name, (_, key) in OF_RESOLVED_YARNS.items():
-        assumed[name] = families.entries(DATA)[key]
-    of_packs = {name: of_sheet[key] for name, key in OF_PACKS.items()}
-    return assumed | of_packs
 
 
 def read_scatter() -> Scatter:

@@ -85,11 +85,11 @@ def test_what_is_left_out_would_be_refused(kind, name):
 
 
 def test_a_doubtful_check_says_what_to_do_where_it_can_be_done():
-    over = [indicator("friction to hold yarns", 0.9), indicator("deepest node of the dent", 1.9)]
+    over = [indicator("face across symmetry", 0.9), indicator("deepest node of the dent", 1.9)]
     plain, deepest = proposals.with_remedies(over, SETUPS["plain"])
-    assert str(plain).endswith('compare with crossovers = "yarns")')
+    assert str(plain).endswith('compare with symmetry = "whole")')
     assert str(deepest).endswith("smaller backing.min_size)")
-    (of_bullet,) = proposals.with_remedies(over[:1], SETUPS["bullet"])
-    assert "crossovers" not in str(of_bullet)
-    well = indicator("friction to hold yarns", 0.01)
+    (of_whole,) = proposals.with_remedies(over[:1], SETUPS["yarns"])
+    assert "symmetry =" not in str(of_whole)
+    well = indicator("face across symmetry", 0.01)
     assert proposals.with_remedies([well], SETUPS["plain"]) == (well,)

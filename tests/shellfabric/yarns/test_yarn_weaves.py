@@ -17,7 +17,7 @@ from shellfabric.yarns import zone_kernels
 from shellfabric.yarns.model import YarnZone, aim
 from shellfabric.yarns.patch import YarnPatch
 from validation.cases.weaves import compare_with_cell
-from weavecell.studies.strengths import draw_aim
+from weavecell.studies import unknown
 
 BASE = catalogue.load("S-728")
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
@@ -136,5 +136,11 @@ def test_an_aim_is_anywhere_in_the_repeat():
     # six weft yarns are crossed along the warp, four warp yarns along the weft
     assert abs(places).max(axis=0) == pytest.approx([3, 2], rel=0.05)
     setup = shot("basket 2x3")
-    drawn = np.array([draw_aim(setup, 7, number) for number in range(256)])
+    axes = unknown.ROWS[:2]
+    shares = [[row.share(7, number, 0) for row in axes] for number in range(256)]
+    struck = [
+        unknown.put_all(setup, unknown.ALIKE, dict(zip((row.name for row in axes), each)))
+        for each in shares
+    ]
+    drawn = np.array([each.impact_point for each in struck])
     assert np.ptp(drawn / (2 * np.array(weave.w)), axis=0) == pytest.approx([6, 4], rel=0.05)

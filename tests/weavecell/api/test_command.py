@@ -35,14 +35,12 @@ OPTIONS = {
     "impact": {
         "draws": [2, 3],
         "seed": [1, 2],
-        "assumed_range": [True, False],
         "uncertainty": [True, False],
     },
     "critical_velocity": {
         "tolerance": ["1 m/s", "7 m/s"],
         "v50_shots": [5, 9],
         "residual_shots": [1, 5],
-        "assumed_range": [True, False],
         **SCAN,
     },
     "v50": {

@@ -9,7 +9,9 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from tests.scene_text import impact_scene
 from weavecell.runs import table
-from weavecell.studies.strengths import draw_aim, draw_factors
+from weavecell.studies import unknown
+from weavecell.studies.inputs import read_scatter
+from weavecell.studies.strengths import FACTORS
 
 # no test here looks at what a picture shows
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -24,7 +26,9 @@ NOT_DRAWN = dict.fromkeys(("friction_between_yarns", "friction_on_nose", "fricti
 
 def fake_fire(setup, velocity, draw):
     fired.append((setup.plies, draw.number, draw.stride))
-    factors = draw_factors(draw.scatter, draw.seed, draw.number * (draw.stride or setup.plies))
+    panel = draw.number * (draw.stride or setup.plies)
+    values = unknown.draw(setup, draw.scatter, draw.seed, draw.number, panel)[1]
+    factors = {key: values[name] for key, name in FACTORS.items()}
     failing = 200.0 * setup.areal_density**POWER * factors["modulus"]
     hit = velocity > failing
     left = 0.6 * velocity if hit else 0.0
@@ -125,7 +129,8 @@ def test_what_else_differs_is_named():
 
 def test_aims_are_the_same_share_of_a_cell():
     a, b = (wc.setup(name, 90.0, crossovers="yarns") for name in ("S-726", "S-728"))
-    aims = [np.divide(draw_aim(s, 4, 7), s.fabric.weave.w) for s in (a, b)]
+    drawn = [unknown.draw(s, read_scatter(), 4, 7, 7)[0] for s in (a, b)]
+    aims = [np.divide(s.impact_point, s.fabric.weave.w) for s in drawn]
     np.testing.assert_allclose(*aims)
 
 

@@ -137,18 +137,6 @@ def test_a_long_forecast_says_what_it_grows_with_and_what_spreads_it():
     assert run_size.GROWTH not in str(short)
 
 
-def test_a_forecast_tells_the_shots_of_the_study_from_those_of_the_range():
-    size = wc.critical_velocity("S-720", opening="50 mm", check=True, assumed_range=True)
-    alone = wc.critical_velocity("S-720", opening="50 mm", check=True)
-    assert alone.of_range == 0
-    assert "the range" not in str(alone)
-    of_a_search = shots_of_a_search(wc.setup("S-720", 100.0))
-    assert size.of_range == of_a_search * (size.searches - 1) > 0
-    assert size.shots - size.of_range == alone.shots
-    told = f"{alone.shots} of these shots are the study itself, {size.of_range} the range over what"
-    assert told.replace(",", "") in str(size).replace(",", "")
-
-
 # of shots of a 9 mm bullet at S-728, to their end: {(plies, m/s, opening [mm], failure lengths of an
 # element): (steps, CPU time [s])}
 FLIGHTS = {

@@ -18,10 +18,10 @@ PARTS = ("api", "studies", "results", "scenes", "report/shot")
 
 
 def test_options_have_the_words_of_the_door():
-    assert door.option("assumed_range") == "assumed_range=True"
+    assert door.option("mesh_error") == "mesh_error=True"
     assert door.option("end_displacement", "") == "end_displacement"
     with door.open_terminal():
-        assert door.option("assumed_range") == "--assumed-range"
+        assert door.option("mesh_error") == "--mesh-error"
         assert door.option("end_displacement", "") == "--end-displacement"
     assert door.option("resume") == "resume=True"
 

@@ -247,7 +247,7 @@ def scattering(command, tmp_path, monkeypatch):
         return ballistic_limit.Shot(velocity, residual, outcome, 1e-4, 0, (1, 1), 0.0, 0.0)
 
     def search(options=""):
-        line = f"critical-velocity {path} --jobs 1 --no-assumed-range --out {tmp_path}/r {options}"
+        line = f"critical-velocity {path} --jobs 1 --out {tmp_path}/r {options}"
         return command(line)[:2]
 
     monkeypatch.setattr(ballistic_limit, "_fire", fire)

@@ -50,9 +50,9 @@ def test_the_first_line_says_what_differs(shots):
     assert f"deflection of the back face {first} and {second} ({more:+.3g} mm)" in said
     assert "peak contact force" not in said  # it is the same
     assert beside.difference((one, one)) == f"Both {one.outcome}, with the same results."
-    doubted = replace(one, checks=(quality.indicator("friction to hold yarns", 0.42),))
+    doubted = replace(one, checks=(quality.indicator("slip at the rim", 0.42),))
     assert beside.difference((one, doubted)).endswith(
-        "results. B is doubtful: friction to hold yarns 0.420 (limit 0.2)."
+        "results. B is doubtful: slip at the rim 0.420 (limit 0.15; more yarn would be drawn in: widen panel.zone)."
     )
 
 

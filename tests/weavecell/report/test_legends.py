@@ -43,7 +43,6 @@ from weavecell.results.wave_fronts import Front
 from weavecell.runs import table
 from weavecell.runs.span import Span
 from weavecell.runs.sweep import QUANTITIES
-from weavecell.studies.assumed_range import AssumedRange, VariedRun
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.energy_map import EnergyMap
 from weavecell.studies.pull_out_tests import PullOutTest
@@ -949,29 +948,6 @@ def misses(pyplot):
         }
         data += [{f"left-out line at d {number + 1}": axis}, shares]
     return pictures_surface.draw_misses(pyplot, surface, errors), data
-
-
-@case(pictures_uncertainty.tornado)
-def tornado(pyplot):
-    rows = [VariedRun("nominal", "stopped", 100.0)]
-    ends = {"failure length": (70.0, 120.0), "friction": (95.0, 113.0)}
-    for name, pair in ends.items():
-        rows += [VariedRun(name, "stopped", velocity, name) for velocity in pair]
-    around = AssumedRange("critical velocity", tuple(rows))
-    figure = pictures_uncertainty.tornado(pyplot, around, "S-720")
-    (axes,) = figure.axes
-    found = {
-        bars.get_label(): [bar.get_bbox().intervalx for bar in bars] for bars in axes.containers
-    }
-    assert_allclose(found["below nominal"], [(100, 70), (100, 95)])
-    assert_allclose(found["above nominal"], [(100, 120), (100, 113)])
-    names = [text.get_text() for text in axes.get_yticklabels()]
-    assert names == ["failure length, 74 %", "friction, 26 %"]
-    assert axes.get_xlabel() == "critical velocity [m/s]"
-    (nominal,) = axes.lines
-    assert (nominal.get_label(), nominal.get_xdata()[0]) == ("nominal, 100.0 m/s", 100.0)
-    assert reach(axes.patches[0], 0) == pytest.approx((70, 120))
-    return None
 
 
 def drawn_shots():

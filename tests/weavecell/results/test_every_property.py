@@ -26,8 +26,7 @@ from weavecell.api.target import resolve_target
 from weavecell.results import coupon
 from weavecell.results.impact import FORMAT, ImpactRecord
 from weavecell.results.result_folder import ResultFolder
-from weavecell.studies import biaxial_fit, inputs
-from weavecell.studies.assumed_range import AssumedRange, VariedRun
+from weavecell.studies import biaxial_fit
 from weavecell.studies.biaxial_fit import Constant
 from weavecell.studies.bracket import Bracket
 from weavecell.studies.displacement_record import Motion
@@ -155,21 +154,6 @@ def test_a_bracket_is_exhausted_where_its_open_end_is_reached():
     assert not Bracket(100.0, 50.0, 300.0, low=300.0, high=310.0).exhausted
     assert Bracket(100.0, 50.0, 300.0, low=80.0).width == inf
     assert Bracket(100.0, 50.0, 300.0, low=80.0, high=93.0).width == 13.0
-
-
-def test_the_friction_between_yarns_is_told_with_its_own_ends():
-    name = inputs.FRICTION_OF_CROSSOVERS
-    rows = [("", "", 150.0), (name, f"{name} 0.3", 171.0), (name, f"{name} 0.1", 140.0)]
-    rows.append(("crimp", "crimp low", 120.0))
-    given = [
-        VariedRun(varied=varied, laws=laws, velocity=V, outcome="") for varied, laws, V in rows
-    ]
-    found = AssumedRange(quantity="limit", rows=tuple(given))
-    words = "friction between yarns of 0.1 to 0.3, which is assumed: 140.0 to 171.0 m/s"
-    assert found.over_friction_between_yarns == words
-    assert (found.low, found.high) == (120.0, 171.0)
-    plain = AssumedRange(quantity="limit", rows=(given[0], given[3]))
-    assert plain.over_friction_between_yarns == ""
 
 
 def test_a_single_job_of_the_3d_solver_stays_in_this_process():

@@ -10,7 +10,6 @@ import weavecell as wc
 from shellfabric.yarns.model import YarnZone
 from tests.weavecell.written import page_of, without_marks
 from weavecell.results import left_out
-from weavecell.studies.assumed_range import AssumedRange, VariedRun
 
 # no test here looks at what a picture shows
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -31,7 +30,7 @@ def find_v50(out):
     return wc.v50("S-720", shots=8, batch=4, out=out, **SMALL)
 
 
-ALL = {"assumed data", "mesh", "sampling"}
+ALL = {"mesh", "sampling"}
 
 
 @pytest.mark.parametrize(
@@ -58,21 +57,11 @@ def test_every_place_says_what_a_number_leaves_out(tmp_path, compute, file, kind
 def test_what_is_computed_is_not_left_out():
     setup = wc.setup("S-720", "150 m/s", opening="40 mm")
     every = left_out.find_left_out(setup)
-    assert [part.kind for part in every] == ["model", "assumed data", "mesh", "sampling"]
-    assert left_out.find_left_out(setup, object(), mesh_compared=True, drawn=True) == every[:1]
+    assert [part.kind for part in every] == ["model", "mesh", "sampling"]
+    assert left_out.find_left_out(setup, mesh_compared=True, drawn=True) == every[:1]
     resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
     names = [part.kind for part in left_out.find_left_out(resolved)]
-    assert names == ["assumed data", "mesh", "sampling"]
-    rows = [
-        VariedRun("best estimates", "", 90.0),
-        VariedRun("friction of crossovers 0.1", "", 60.0, "friction of crossovers"),
-        VariedRun("friction of crossovers 0.3", "", 120.0, "friction of crossovers"),
-        VariedRun("strength", "", 80.0, "strength after weaving"),
-    ]
-    around = AssumedRange("critical velocity", tuple(rows))
-    interval = "friction between yarns of 0.1 to 0.3, which is assumed: 60.0 to 120.0 m/s"
-    assert around.words().startswith(interval)
-    assert left_out.find_left_out(resolved, around)[0].brief == interval
+    assert names == ["mesh", "sampling"]
 
 
 def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():

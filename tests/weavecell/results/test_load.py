@@ -112,7 +112,6 @@ SHARED = {
     "format",
     "provenance",
     "assumed",
-    "assumed_range",
     "left_out",
     "checks",
     "doubts",

@@ -14,7 +14,7 @@ from weavecell.results import file_list
 
 SCENE = impact_scene(opening="30 mm", end_time="20 us", run='outputs = ["paraview", "report"]')
 COMMANDS = {
-    "impact": "impact scene.toml --no-assumed-range",
+    "impact": "impact scene.toml",
     "coupon": "coupon frame.toml",
     "sweep": "sweep scene.toml --over panel.plies=1,2 --jobs 1",
 }

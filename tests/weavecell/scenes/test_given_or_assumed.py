@@ -13,16 +13,17 @@ from tests.scene_text import merged
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, ROOT, SHOT, row, with_value
 from weavecell.scenes import build
 from weavecell.scenes.impact import check
-from weavecell.studies import assumed_range
+from weavecell.studies import inputs, unknown
 
-# {key: what is no longer assumed with it}
+STRENGTHS = {"strength after weaving", "strength of the file"}
+# {key: what is no longer drawn with it}
 GIVES = {
-    "projectile.friction": {"friction of the projectile"},
-    "projectile.name": {"friction of the projectile"},
+    "projectile.friction": {"friction on the nose"},
+    "projectile.name": {"friction on the nose"},
     "fabric.weaving_damage.strength": {"strength after weaving"},
     # tensions of a surface are those of yarns as they are
-    "fabric.surface": {"strength after weaving"},
-    "panel.yarn_failure": {"failure length", "strength after weaving"},
+    "fabric.surface": STRENGTHS | {"modulus", "crimp of the warp", "crimp of the weft"},
+    "panel.yarn_failure": STRENGTHS | {"failure length", "strength of yarns"},
 }
 # a table whose keys need another to be a table at all
 BESIDE = {"fabric.weaving_damage": {"fabric": {"weaving_damage": {"source": "made up"}}}}
@@ -32,7 +33,7 @@ KEYS = [key for key in ENTRIES if not key.startswith("panel.ply.")]
 
 def assumed_of(scene):
     made = build.setup(build.build(check(scene, None, "shot"), None, "s"), None)
-    return set(assumed_range.changes(made))
+    return set(unknown.find_drawn(made, inputs.read_scatter()))
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from fabrics.base.units import si
 from fabrics.fabric_tables import FIBRES
 from fabrics.families import list_families
 from weavecell.scenes import fabric_file
-from weavecell.studies import assumed_range, inputs
+from weavecell.studies import unknown
 
 PAGE = {
     "linear_density": ("1000 denier", "1100 dtex"),
@@ -51,10 +51,10 @@ def test_a_page_of_any_family_becomes_a_fabric(family, printed, tmp_path):
     assert not found.of_others
     varied = {key.partition(".")[2] for key in fabric.ranges if key.startswith(("warp.", "weft."))}
     assert varied == {key for key, there in zip(MORE, printed) if not there} - {"fibre_density"}
-    ends = assumed.ends(assumed.with_shear(fabric))
     for key in varied:
-        for end in ends[key].values():
-            for yarn in end.weave.yarns:
+        pairs = zip(*(fabric.ranges[f"{family}.{key}"] for family in ("warp", "weft")))
+        for ratios in pairs:
+            for yarn in assumed.scale_ranged(fabric, key, ratios).weave.yarns:
                 assert found.allows(
                     {
                         "strength": yarn.E * yarn.failure_strain,
@@ -209,9 +209,9 @@ def test_friction_of_yarns_is_of_their_family(family, friction, ends, tmp_path):
     assert setup.crossovers.friction_range == ends
     low, high = (f"{end:g}" for end in ends)
     assert f"{friction:g} ({low} .. {high})" in setup.crossovers.assumed_lines[0]
-    runs = assumed_range.changes(setup)[inputs.FRICTION_OF_CROSSOVERS].values()
-    assert [change(setup).crossovers.friction for change in runs] == list(ends)
-    pinned = wc.setup(mine, "90 m/s", **given)
-    assert pinned.panel(pinned.plain_table()).friction_between_yarns == friction
+    name = "friction between yarns"
+    drawn = [unknown.put_all(setup, unknown.ALIKE, {name: share}) for share in (0.0, 0.5, 1.0)]
+    low_end, high_end = ends
+    assert [one.crossovers.friction for one in drawn] == [low_end, friction, high_end]
     own = wc.setup(mine, "90 m/s", crossovers="yarns", crossover_friction=0.17, **given)
     assert (own.crossovers.friction, own.crossovers.friction_range) == (0.17, ())

@@ -75,7 +75,7 @@ def check_alike(loaded, printed, folder, file):
 @pytest.mark.parametrize("name", SCENES)
 def test_a_shot_answers_alike_wherever_it_is_shown(name, succeed, tmp_path, drawn_once):
     write(tmp_path / "scene.toml", name)
-    printed = succeed("impact", "scene.toml", "--out", "r", "--no-assumed-range")
+    printed = succeed("impact", "scene.toml", "--out", "r")
     loaded = wc.load(tmp_path / "r")
     content = check_alike(loaded, printed, tmp_path / "r", "summary.json")
     assert loaded.outcome == content["answer"]["outcome"] == content["outcome"]
@@ -93,7 +93,7 @@ def test_a_shot_answers_alike_wherever_it_is_shown(name, succeed, tmp_path, draw
 @pytest.mark.parametrize("name", ["one ply", "sphere"])
 def test_drawn_shots_answer_alike_wherever_they_are_shown(name, succeed, tmp_path, drawn_once):
     write(tmp_path / "scene.toml", name)
-    printed = succeed("impact", "scene.toml", "--draws", "4", "--out", "r", "--no-assumed-range")
+    printed = succeed("impact", "scene.toml", "--draws", "4", "--out", "r")
     if "drawn shots" not in printed:
         pytest.skip("none has an outcome so soon")
     loaded = wc.load(tmp_path / "r")
@@ -105,7 +105,7 @@ def test_drawn_shots_answer_alike_wherever_they_are_shown(name, succeed, tmp_pat
 
 
 STUDIES = {
-    "critical-velocity": ("scene.toml", "--no-assumed-range"),
+    "critical-velocity": ("scene.toml",),
     "v50": ("scene.toml", "--shots", "4"),
     "difference": ("scene.toml", "scene.toml", "--shots", "4"),
     "sweep": ("scene.toml", "--over", "projectile.strike_velocity=130 m/s,150 m/s"),
@@ -138,7 +138,7 @@ def test_yarns_are_resolved_unless_pinned_ones_are_asked_for(yarns):
 def test_drawn_shots_go_on_where_they_were_interrupted(command, tmp_path, drawn_once, monkeypatch):
     """To the bit, with the shots that had ended; the numbers of the one run are there before."""
     write(tmp_path / "scene.toml", "sphere")
-    line = "impact scene.toml --draws 4 --seed 3 --no-assumed-range --out"
+    line = "impact scene.toml --draws 4 --seed 3 --out"
     assert command(f"{line} whole")[0] == 0
     fire, fired = table.fire, []
 
@@ -172,11 +172,11 @@ def test_a_loaded_shot_names_options_as_the_door_has_them(tmp_path, drawn_once):
     loaded = wc.load(tmp_path / "r")
     told = [dict(one.answer.rows)["next"] for one in (live, loaded)]
     assert told[0] == told[1]
-    assert "draws=16; assumed_range=True" in told[0]
+    assert "draws=16" in told[0]
     with door.open_terminal():
         told = [dict(one.answer.rows)["next"] for one in (live, loaded)]
     assert told[0] == told[1]
-    assert "--draws 16; --assumed-range" in told[0]
+    assert "--draws 16" in told[0]
 
 
 @pytest.mark.parametrize("plies, opening, resolved", [(1, 24, True), (2, 40, False), (3, 50, True)])

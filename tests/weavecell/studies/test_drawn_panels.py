@@ -11,12 +11,22 @@ from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
 from weavecell.runs import table, v50
-from weavecell.studies import inputs, strengths
+from weavecell.studies import inputs, strengths, unknown
 from weavecell.studies.inputs import Scatter
 
 # no two spreads are alike
 SCATTER = Scatter(shape=12.0, modulus=0.05, crimp=0.2)
-MANY = 20_000
+MANY = 5_000
+
+
+def draw_factors(setup, seed, panel):
+    """Draw modulus and crimps of a panel: {field of a shot: factor}."""
+    values = {
+        row.name: row.find(setup, SCATTER).at(row.share(seed, 0, panel))
+        for row in unknown.ROWS
+        if row.panel is not None
+    }
+    return {key: values[name] for key, name in strengths.FACTORS.items()}
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +44,7 @@ def test_shots_of_a_study_are_numbered_through_and_see_panels_of_their_own(
     """Three rounds, the last of them shorter: numbers 0 to n - 1, and no two draws share a number of theirs."""
 
     def fire(setup, velocity, draw):
-        factors = strengths.draw_factors(draw.scatter, draw.seed, draw.number * setup.plies)
+        factors = draw_factors(setup, draw.seed, draw.number * setup.plies)
         shot = (velocity, 0.4 * velocity, velocity > 95.0, draw.number)
         return table.Shot(*shot, drawn=factors, balance=0.0)
 
@@ -45,7 +55,7 @@ def test_shots_of_a_study_are_numbered_through_and_see_panels_of_their_own(
     assert [shot.number for shot in study.shots] == list(range(11))
     for name in ("modulus", "crimp_warp", "crimp_weft"):
         assert len({shot.drawn[name] for shot in study.shots}) == 11
-    drawn = [strengths.draw_factors(SCATTER, 3, 2 * number) for number in range(11)]
+    drawn = [draw_factors(setup, 3, 2 * number) for number in range(11)]
     assert [shot.drawn["crimp_weft"] for shot in study.shots] == [
         each["crimp_weft"] for each in drawn
     ]
@@ -68,13 +78,12 @@ def test_the_weakest_yarn_is_told_of_its_own_family(setup):
     assert drawn.weakest[0] != drawn.weakest[1]
 
 
-def test_moments_of_many_draws():
+def test_moments_of_many_draws(setup):
     """Mean 1, the spread of each number, and no number that goes with another: 5 standard errors."""
-    rows = [list(strengths.draw_factors(SCATTER, 1, n).values()) for n in range(MANY)]
-    drawn = np.array(rows)
+    drawn = np.array([list(draw_factors(setup, 1, n).values()) for n in range(MANY)])
     wanted = np.array([SCATTER.modulus, SCATTER.crimp, SCATTER.crimp])
     assert drawn.mean(axis=0) == pytest.approx(np.ones(3), abs=5 * wanted.max() / sqrt(MANY))
-    assert drawn.std(axis=0) == pytest.approx(wanted, rel=0.03)
+    assert drawn.std(axis=0) == pytest.approx(wanted, rel=0.05)
     together = np.corrcoef(drawn.T)
     assert abs(together - np.eye(3)).max() < 5 / sqrt(MANY)
     assert np.unique(drawn).size == drawn.size
@@ -105,9 +114,13 @@ def struck(setup):
     return replace(setup, plies=1, opening=0.06, projectile=chisel, **given)
 
 
+def draw(setup, number):
+    return unknown.draw(setup, SCATTER, 5, number, number)[0]
+
+
 def test_impact_points_fill_what_symmetry_leaves_of_a_repeat(struck):
     """Half a spacing along the warp, a whole one along the weft, from the crossover next to the given point."""
-    points = np.array([strengths.draw_aim(struck, 5, number) for number in range(256)])
+    points = np.array([draw(struck, number).impact_point for number in range(256)])
     shares = points / (2 * np.array(struck.fabric.weave.w)) - [1.0, -2.0]
     assert shares.min(axis=0) == pytest.approx([0.0, 0.0], abs=0.01)
     assert shares.max(axis=0) == pytest.approx([0.5, 1.0], abs=0.01)
@@ -119,7 +132,7 @@ def test_impact_points_fill_what_symmetry_leaves_of_a_repeat(struck):
 @pytest.mark.parametrize("seed", [2, 9])
 def test_few_shots_are_spread_over_places_and_rolls(struck, seed):
     """Of eight shots one has each eighth of the places along warp and weft and of the rolls; the seed shifts them."""
-    spread = np.array([strengths._spread(seed, number)[:3] for number in range(8)])
+    spread = np.array([unknown._spread(seed, number)[:3] for number in range(8)])
     shift = np.random.default_rng(seed).uniform(size=3)
     eighths = np.floor(8 * ((spread - shift) % 1.0) + 1e-9).astype(int)
     for column in eighths.T:
@@ -129,19 +142,20 @@ def test_few_shots_are_spread_over_places_and_rolls(struck, seed):
 def test_the_roll_of_a_chisel_is_drawn_and_that_of_a_sphere_is_not(struck):
     rolls = []
     for number in range(64):
-        nose = strengths.draw_roll(struck.projectile, 5, number)
-        assert replace(nose, roll=6.0) == struck.projectile
+        nose = draw(struck, number).projectile
+        assert replace(nose, roll=6.0, friction=0.0) == struck.projectile
         rolls.append((nose.roll - 6.0) % (2 * pi))
     assert 0.0 <= min(rolls) < 0.1
     assert pi - 0.1 < max(rolls) < pi
     sphere = Projectile(1e-3, 2e-3, shape="sphere")
-    assert strengths.draw_roll(sphere, 5, 3) is sphere
+    assert draw(replace(struck, projectile=sphere), 3).projectile == sphere
 
 
 def test_a_drawn_panel_of_resolved_yarns_has_its_place_and_roll_and_one_of_pinned_yarns_not(struck):
-    drawn = strengths.draw_panel(struck, SCATTER, 5, 3).pack.plies[0]
-    assert drawn.impact_point == strengths.draw_aim(struck, 5, 3)
-    assert drawn.projectile.roll == strengths.draw_roll(struck.projectile, 5, 3).roll != 6.0
+    ply = strengths.draw_panel(struck, SCATTER, 5, 3).pack.plies[0]
+    drawn = draw(struck, 3)
+    assert ply.impact_point == drawn.impact_point != struck.impact_point
+    assert ply.projectile.roll == drawn.projectile.roll != 6.0
     pinned = replace(struck, crossovers=None)
     ply = strengths.draw_panel(pinned, SCATTER, 5, 3).pack.plies[0]
     assert (ply.impact_point, ply.projectile.roll) == (struck.impact_point, 6.0)

@@ -16,7 +16,7 @@ from shellfabric.membrane import failure_kernels
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.slots import by_node
 from weavecell.runs import table, v50
-from weavecell.studies import assumed_range, ballistic_limit, inputs, strengths
+from weavecell.studies import ballistic_limit, inputs, strengths, unknown
 
 OPENING = 0.03048
 
@@ -186,13 +186,14 @@ def test_the_ends_of_a_lay_up_are_those_of_each_of_its_fabrics(fabric):
     plies = (Ply(fabric, fabric.laws), Ply(other, other.laws))
     setup = setup_of(fabric, 0.08, plies=2, lay_up=plies)
     low, high = (
-        change(setup) for change in assumed_range.changes(setup)["failure length"].values()
+        unknown.put_all(setup, unknown.ALIKE, {"failure length": share}) for share in (0.0, 1.0)
     )
     for k, own in enumerate((fabric, other)):
         lengths = [end.lay_up[k].fabric.failure_length for end in (low, high)]
         assert lengths == pytest.approx([0.5 * own.failure_length, 2 * own.failure_length])
     assert low.fabric == low.lay_up[0].fabric
-    assert {"strength after weaving", "friction between plies"} < set(assumed_range.changes(setup))
+    drawn = unknown.find_drawn(setup, unknown.ALIKE)
+    assert {"strength after weaving", "friction between plies"} < set(drawn)
 
 
 BEETLES = {  # dose, number, dead: C. I. Bliss, The calculation of the dosage-mortality curve (1935)

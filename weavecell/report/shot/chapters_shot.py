@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from weavecell.results.impact import ImpactRecord
     from weavecell.results.impact_shapes import Cut
     from weavecell.runs.passing import Passing
-    from weavecell.studies.assumed_range import AssumedRange
+    from weavecell.studies.inputs import Scatter
 
 # stands beside a number of cut yarns that is not whole
 PARTS = "a grid line counts as the yarns that it stands for, which need not be a whole number"
@@ -348,27 +348,24 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
     return Section("panel-mesh", "Mesh", lead, tables=(table,), folded=True)
 
 
-def describe_assumed_range(around: AssumedRange) -> Section:
-    """Show the range of a velocity over assumed laws, and the runs that it consists of."""
-    lead = (
-        f"{around.words().capitalize()}. The run was repeated with each end of each assumed range alone, then with all "
-        "ends that lower the velocity, and with all that raise it. The range covers these runs; it is not a bound. A "
-        "share is the width that one assumption causes over the sum of all widths."
-    )
-    figures: tuple[Figure, ...] = ()
-    if around.high > around.low:
-        caption = "What each assumption changes alone, and all runs together."
-        # which brings scipy.stats along
-        from weavecell.report import pictures_uncertainty
+def describe_unknown(setup: ImpactSetup, scatter: Scatter | None = None) -> Section:
+    """Tabulate what drawn shots draw, and from where.
 
-        draw = pictures_uncertainty.tornado
-        figures = (pictures.draw_figure("assumed-range", caption, draw, around, ""),)
-    rows = []
-    for run in around.rows:
-        rows.append((run.laws, run.outcome or "-", display.number(run.velocity, "m/s")))
-    columns = ("laws", "outcome", f"{around.quantity} [m/s]")
-    table = Table(columns, tuple(rows), numeric=columns[2:])
-    return Section("assumed", "What the assumed laws leave open", lead, figures, (table,))
+    Parameters
+    ----------
+    scatter : of panels; None takes that of the data files
+    """
+    from weavecell.studies import inputs, unknown
+
+    lead = (
+        "What is given without a range is not drawn. Of a range half of the draws lie on either side of its value; "
+        "± is one standard deviation."
+    )
+    columns = ("what", "range", "known from", "source")
+    rows = unknown.list_drawn(setup, scatter or inputs.read_scatter())
+    return Section(
+        "drawn", "What is drawn", lead, tables=(Table(columns, tuple(rows)),), folded=True
+    )
 
 
 def measures(
