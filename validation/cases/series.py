@@ -39,7 +39,8 @@ def coverage(
     its interval, [%] of V50; by number of shots
     """
     population = np.random.default_rng(SEED).uniform(-0.5, 0.5, (64, 2))
-    limits = _limits(*_draw(np.random.default_rng(SEED), 100_000), scatter, slopes)
+    known, rest = _draw(np.random.default_rng(SEED), 100_000)
+    limits = _limits(known, rest, scatter, slopes)
     true = np.quantile(limits, go_no_go.LEVELS)
     held, off, half = [], [], []
     for count in shots:

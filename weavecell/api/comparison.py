@@ -34,7 +34,6 @@ from weavecell.api.scatter import V50Plan, V50Result
 from weavecell.api.target import is_input_file, resolve_target
 from weavecell.results.finding import Answer
 from weavecell.results.left_out import LeftOut
-from weavecell.runs import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -209,17 +208,18 @@ def compare(
     >>> found.verdict
     'not decided'
     """
+    from weavecell.runs import table as rows
     from weavecell.studies import inputs, strengths
 
     if isinstance(target, Result) or isinstance(other, Result):
         return _plan_computed(target, other, {"shots": shots, "seed": seed, **options})
     _, count, first = quantities.read_search(None, shots, seed, usual=(None, 16))
-    panels = [panel.resolved() for panel in _resolve(target, other, options)]
-    for panel in panels:
+    a, b = (panel.resolved() for panel in _resolve(target, other, options))
+    for panel in (a, b):
         with panel.name_problems():
-            fired = table.as_fired(panel.setup)
+            fired = rows.as_fired(panel.setup)
             strengths.check_places(fired, inputs.read_scatter(), first, count)
-    return ComparisonPlan(*panels, count, first)
+    return ComparisonPlan(a, b, count, first)
 
 
 def _resolve(target, other, keywords):
@@ -305,12 +305,12 @@ class ComparisonResult(OfTwoPanels):
         from weavecell.runs.difference import Difference, subtract
 
         fewest = min(len(one.study.shots) for one in (self.a, self.b))
-        found = [one.study.posterior for one in (self.a, self.b)]
-        for name, posterior in zip("AB", found):
-            if posterior is None:
+        middles = []
+        for name, one in zip("AB", (self.a, self.b)):
+            if one.study.posterior is None:
                 return Difference.missing(fewest, f"all shots at {name} end alike")
-        of_a, of_b = (posterior.middles for posterior in found)
-        return Difference(subtract(of_a, of_b), fewest)
+            middles.append(one.study.posterior.middles)
+        return Difference(subtract(*middles), fewest)
 
     @cached_property
     def difference_by_mass(self) -> Difference:
@@ -322,6 +322,7 @@ class ComparisonResult(OfTwoPanels):
             return by_velocity
         energies = []
         for panel, one, density in zip(self.targets, (self.a, self.b), self.areal_densities):
+            assert one.study.posterior is not None
             mass = panel.setup.projectile.mass
             energies.append(0.5 * mass * one.study.posterior.middles**2 / density)
         return Difference(subtract(*energies), by_velocity.shots)

@@ -139,7 +139,7 @@ class RunsPlan(Plan["RunsResult"]):
 
     def forecast(self) -> StudySize:
         """Forecast the CPU time of all rows."""
-        sizes = {}
+        sizes: dict[int, list[Any]] = {}
         for row in self.rows:
             sizes.setdefault(id(row.setup), [row.setup, 0])[1] += 1
         parts = [

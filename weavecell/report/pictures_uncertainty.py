@@ -152,7 +152,10 @@ def draw_passing(pyplot: Any, found: Passing) -> Any:
     if not known:
         columns, labels = [[shot.number for shot in found.shots]], ["number of the draw"]
     if len(columns) == 1:
-        columns, labels = [*columns, left], [*labels, find_axis("residual_velocity_m_s").label]
+        columns, labels = (
+            [*columns, left.tolist()],
+            [*labels, find_axis("residual_velocity_m_s").label],
+        )
     x, y = np.array(columns, float)
     figure, axis = pyplot.subplots(figsize=(NARROW, 4.6))
     axis.plot(x[~hit], y[~hit], "o", ms=9, mfc="none", mew=1.8, color=GREEN, label="stopped")

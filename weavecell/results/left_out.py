@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 MESH = "mesh"
 SAMPLING = "sampling"
+DATA = "assumed data"
 MODEL = "model"
 
 
@@ -26,7 +27,7 @@ class LeftOut:
 
     Parameters
     ----------
-    kind : MESH, SAMPLING, MODEL or what nobody gave
+    kind : MESH, SAMPLING, DATA, MODEL or what nobody gave
     brief : in a few words
     text : what is left out, and what covers it
     settle : what to run or to give, with options as the command line names them

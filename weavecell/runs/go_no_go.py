@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import entr, gammaincinv, log_ndtr, ndtr, ndtri
 
 from fabrics.base.checks import FloatArray
@@ -70,7 +70,7 @@ class Outcomes:
     names: tuple[str, ...]
     known: FloatArray
     velocity: FloatArray
-    perforated: FloatArray
+    perforated: NDArray[np.bool_]
 
     @classmethod
     def of_tests(cls, velocity: ArrayLike, perforated: ArrayLike) -> Outcomes:
