@@ -514,7 +514,7 @@ class PackSolver(ExplicitSolver):
         """Tell whether only cut-out fabric is left ahead of the nose, and none before a block, see
         ExplicitSolver. The kernels ask by a clock of their own: samples do not move the end of a run."""
         meets_parts = any(part.meets_nose for part, _ in self._all_parts())
-        clear: Callable[[State, Constants], bool] = nothing_ahead if meets_parts else passed
+        clear: Callable[..., bool] = nothing_ahead if meets_parts else passed
         if all(clear(state, const) for _, const, state in self.plies):
             return PERFORATED
         return RUNNING
