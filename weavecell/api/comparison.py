@@ -215,12 +215,12 @@ def compare(
     if isinstance(target, Result) or isinstance(other, Result):
         return _plan_computed(target, other, {"shots": shots, "seed": seed, **options})
     _, count, first = quantities.read_search(None, shots, seed, usual=(None, 16))
-    panels = [panel.resolved() for panel in _resolve(target, other, options)]
-    for panel in panels:
+    a, b = (panel.resolved() for panel in _resolve(target, other, options))
+    for panel in (a, b):
         with panel.name_problems():
             fired = v50.as_fired(panel.setup)
             strengths.check_places(fired, inputs.read_scatter(), first, count)
-    return ComparisonPlan(*panels, count, first)
+    return ComparisonPlan(a, b, count, first)
 
 
 def _resolve(target, other, keywords):
@@ -306,12 +306,10 @@ class ComparisonResult(OfTwoPanels):
         from weavecell.studies import drawn, paired
 
         fewest = min(len(one.study.shots) for one in (self.a, self.b))
-        found = [one.study.posterior for one in (self.a, self.b)]
-        for name, posterior in zip("AB", found):
-            if posterior is None:
-                reason = f"all shots at {name} end alike"
-                return paired.Difference(nan, -inf, inf, fewest, drawn.CONFIDENCE, reason)
-        of_a, of_b = found
+        of_a, of_b = (one.study.posterior for one in (self.a, self.b))
+        if of_a is None or of_b is None:
+            reason = f"all shots at {'A' if of_a is None else 'B'} end alike"
+            return paired.Difference(nan, -inf, inf, fewest, drawn.CONFIDENCE, reason)
         return paired.Difference(*drawn.subtract(of_a, of_b), fewest, drawn.CONFIDENCE)
 
     @property
