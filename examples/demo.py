@@ -76,7 +76,7 @@ def main(folder: str = "results/demo", size: str = "coarse") -> None:
     used, cases = wc.fabric("S-720"), [(velocity, law) for velocity in TARGETS for law in laws]
     setups = [wc.setup(used, velocity, law=laws[law], **OPTIONS) for velocity, law in cases]
     with part("four impacts"):
-        shots = wc.sweep(setups)
+        shots = [wc.impact(setup) for setup in setups]
     with part("V50 of drawn shots"):
         drawn = wc.v50("S-728", opening="50 mm", projectile="sphere 5.5 mm", jobs=2)
     with part("files of the impacts"):

@@ -134,6 +134,21 @@ def test_aims_are_the_same_share_of_a_cell():
     np.testing.assert_allclose(*aims)
 
 
+def test_a_row_of_a_sweep_is_the_v50_of_its_input():
+    swept = wc.sweep("S-728", over={"panel.opening": ["150 mm"]}, quantity="v50", shots=8)
+    one = wc.v50("S-728", opening="150 mm", shots=8)
+    (row,) = swept.rows
+    assert row["outcome"] == "fitted"
+    assert (row["v10_m_s"], row["v50_m_s"]) == (one.velocities["V10"].value, one.v50)
+    assert swept.answer.value.startswith(f"V50 {one.v50:.3g} m/s")
+
+
+def test_a_setup_of_python_is_answered_too():
+    """It has no words for its projectile."""
+    found = wc.v50(wc.setup("S-728", 90.0, opening="150 mm"), shots=8)
+    assert found.answer.subject == "S-728, V50"
+
+
 def test_a_forecast_fires_nothing():
     size = wc.compare("S-726", "S-728", shots=12, check=True)
     assert size.shots == 2 * 12
