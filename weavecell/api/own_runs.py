@@ -237,9 +237,11 @@ class RunsResult(Result):
         return count_doubts(self.fired)
 
     def _columns(self):
+        from weavecell.runs.table import list_drawn
+
         labels = dict.fromkeys(name for row in self.rows for name in row.labels)
         varied = {name: [row.labels.get(name) for row in self.rows] for name in labels}
-        return varied | one_table.columns(self.fired, self.kind)
+        return varied | one_table.columns(self.fired, self.kind) | list_drawn(self.fired)
 
     @out_folder.saving(*NAMES)
     def save(self, out: FilePath) -> None:

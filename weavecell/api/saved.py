@@ -122,6 +122,13 @@ class SavedResult(Result):
         return cls(found.folder, name, found.read_json(name), found.read_tables(), KINDS[name].csv)
 
     @property
+    def shots(self) -> DataFrame:
+        """The table of its shots, a row each; without rows of a result that has none."""
+        from pandas import DataFrame
+
+        return self.tables.get("shots", DataFrame())
+
+    @property
     def kind(self) -> str:  # type: ignore[override]
         """Table of results/keys.toml that says what it has."""
         from weavecell.results.result_folder import KINDS

@@ -290,7 +290,9 @@ class V50Result(StudyResult):
         return self.study.shots
 
     def _columns(self):
-        columns = dict(super()._columns())
+        from weavecell.runs.table import list_drawn
+
+        columns = dict(super()._columns()) | list_drawn(self.study.shots)
         if self.target.setup.crossovers is None:  # only those of resolved yarns are drawn
             del columns["impact_point_x_m"], columns["impact_point_y_m"]
         if not any(columns["widened"]):

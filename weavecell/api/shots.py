@@ -614,6 +614,19 @@ class ShotResult(ImpactRecord, Result):
             moved += (Mover("yielding of the projectile", 'projectile.body = "elastic_bar"'),)
         return self._find_answer(self.title, value, moved, advice, outcome=outcome, over=over)
 
+    @property
+    def shots(self) -> DataFrame:
+        """The table of the drawn shots beside it, a row each; without rows where there are none."""
+        from weavecell.runs.table import list_drawn
+
+        if self.draws is not None:
+            drawn = self.draws.shots
+            return one_table.frame(one_table.columns(drawn, "v50") | list_drawn(drawn), "v50")
+        path = None if self.folder is None else self.folder / f"{DRAWS}.csv"
+        if path is None or not path.is_file():
+            return one_table.frame({}, "v50")
+        return one_table.read_csv(path, "v50")
+
     def __dir__(self) -> list[str]:
         """The names that a user needs, for completion; the others of the record are there too."""
         absent = set()
@@ -797,8 +810,7 @@ class ShotResult(ImpactRecord, Result):
         content["answer"] = self.answer.entry()
         if self.draws is not None:
             content["draws"] = self.draws.summary()
-            table = one_table.frame(one_table.columns(self.draws.shots, "v50"), "v50")
-            files.write(out / f"{DRAWS}.csv", one_table.csv(table))
+            files.write(out / f"{DRAWS}.csv", one_table.csv(self.shots))
         content |= {
             "projectile": words.shot_in_words(projectile),
             "provenance": stamp,

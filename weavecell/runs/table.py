@@ -192,6 +192,12 @@ def fire(setup: ImpactSetup, velocity: float, draw: Draw | None = None) -> Shot:
     )
 
 
+def list_drawn(shots: Sequence[Shot]) -> dict[str, list[float | None]]:
+    """List what was drawn of shots as columns; None of a shot of which something was given."""
+    names = dict.fromkeys(name for shot in shots for name in shot.drawn)
+    return {name: [shot.drawn.get(name) for shot in shots] for name in names}
+
+
 def as_fired(setup: ImpactSetup) -> ImpactSetup:
     """Return the set-up that drawn shots model: the whole panel of resolved yarns, unless the input
     pins them, on its mesh, in a zone that is the same for all draws: it is not widened by what a shot

@@ -484,10 +484,12 @@ def _write_failure_length(ply, value):
 
 def _find_strengths(setup, scatter):
     """Of the yarns of a panel about their mean (`strengths`)."""
-    if not setup.yarn_failure or scatter.shape == inf:
+    # that of the first ply stands for all
+    shape = setup.fabrics[0].weibull_shape if scatter.shape is None else scatter.shape
+    if not setup.yarn_failure or shape == inf:
         return None
-    deviation = sqrt(gamma(1 + 2 / scatter.shape) / gamma(1 + 1 / scatter.shape) ** 2 - 1)
-    return Range(1.0, 0.0, inf, inputs.table("weibull")["shape"].source, scatter=deviation)
+    deviation = sqrt(gamma(1 + 2 / shape) / gamma(1 + 1 / shape) ** 2 - 1)
+    return Range(1.0, 0.0, inf, data_sheet.entries()["weibull_shape"].source, scatter=deviation)
 
 
 FRICTION_OF_YARNS = _of_number(assumed.friction_between_yarns, *_field_of_zone("friction"))
