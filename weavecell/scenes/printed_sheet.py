@@ -23,7 +23,14 @@ from fabrics.fabric_tables import FAMILIES, OF_FABRIC
 from fabrics.families import list_families
 from weavecell.scenes import sheet_names
 from weavecell.scenes.missing_values import BREAKING, Value
-from weavecell.scenes.sheet_cells import ROUNDED, Unclear, clean, read_cells, read_number
+from weavecell.scenes.sheet_cells import (
+    ROUNDED,
+    Unclear,
+    UnknownWords,
+    clean,
+    read_cells,
+    read_number,
+)
 from weavecell.scenes.sheet_names import ALL, DESCRIPTION, WEAVE, Name, fold
 
 MOST_LINES = 1000
@@ -34,10 +41,13 @@ STRAIGHT = (0.8, 1.1)
 PROMISED = ("count", "strength", "tenacity", BREAKING)
 OF_FIBRE = ("strength", "tenacity", "modulus", "fibre_density", "failure_strain")
 A_HEADING = "a heading"
+_SEVERAL = "of several fabrics: name the file after one of them, or leave one in it"
 _LEAST = re.compile(r"(?:≥|>=?|\bmin(?:imum|\.|\b))\.?")
+_OF_UNITS = r"\b(?:5|10|50|100) ?[cm]m\b|\b1 ?/|[a-z]\^?\d\b|\(.*?\)"
 _MOST = re.compile(r"(?:≤|<=?|\bmax(?:imum|\.|\b))\.?")
 _YARN = re.compile(
-    r"(?<![\d.,/x])(\d{1,3},\d{3}|\d+)(?:/(?!\d{3})\d+)?[ -]?(denier|den|dtex|d-tex|tex|d)\b"
+    r"(?<![\d.,/x])(?<!\d-)(?<!\d - )(?<!\b(?:or|to) )(\d{1,3},\d{3}|\d+)"
+    r"(?:/(?!\d{3})\d+)?[ -]?(denier|den|dtex|d-tex|tex|d)\b"
 )
 _PLIED = re.compile(r"\b\d ?x\b|\bx ?\d\b|\bpl(?:y|ied)\b|\bzwirn|\bretors\b|/\d\b")
 _NO_FAMILY = re.compile(
@@ -92,6 +102,11 @@ def read(path: FilePath, hints: Sequence[str] = ()) -> Sheet:
         sheets, key=lambda each: (len(each.values), sum(len(line.keys) for line in each.lines))
     )
     if not best.values:
+        of_several = next(
+            (line.why for each in sheets for line in each.lines if _SEVERAL == line.why), None
+        )
+        if of_several:
+            raise InputError(f"is {of_several}", file=path)
         allowed = "lines of a name, a number and a unit, such as Thickness: 0.30 mm"
         raise InputError("nothing of this sheet is understood", file=path, allowed=allowed)
     return best
@@ -223,6 +238,11 @@ class _Reader:
     def take(self, line, cells):
         """Take what a row gives, or say why not."""
         name, given = self.name_of(cells)
+        if sheet_names.has_only(("fabric", "yarn", "nothing"), " ".join(cells)):
+            kinds = [kind for kind in ("yarn", "fabric") if sheet_names.has_word(kind, cells[0])]
+            self.section, line.why = "".join(kinds[:1]), A_HEADING
+            self.pending = name
+            return
         if name is None:
             self.take_unnamed(line, cells)
             return
@@ -253,14 +273,19 @@ class _Reader:
                 roles = [*columns, *[""] * len(cells)]
                 pairs = [(role, cell) for role, cell in zip(roles, cells) if cell]
                 return name, pairs[sum(map(bool, cells[: place + 1])) :]
-        words = cells[0].split(" ") if len(cells) == 1 else []
+        words = clean(cells[0]).split(" ") if len(cells) == 1 else []
         for count in range(min(len(words) - 1, 9), 0, -1):
-            name = sheet_names.find(" ".join(words[:count]))
+            begin = " ".join(words[:count])
+            name = sheet_names.find(begin)
+            if re.search(r"\d", re.sub(_OF_UNITS, "", begin)):
+                continue
             rest = " ".join(words[count:])
-            is_text = name is not None and {WEAVE, DESCRIPTION, "linear_density"} & {*name.keys}
-            if name is not None and (
-                re.match(r"[\d~≈(]|ca\b|min\b", rest) or (is_text and count == 1)
-            ):
+            if name is None:
+                continue
+            is_text = {WEAVE, "linear_density"} & {*name.keys} or (
+                count == 1 and DESCRIPTION in name.keys
+            )
+            if is_text or re.match(r"[\d~≈(]|ca\b|min\b", rest):
                 return name, [("", rest)]
         return None, []
 
@@ -272,14 +297,11 @@ class _Reader:
         if pending is not None:
             self.take_values(line, pending, [("", text)])
             return
-        is_short = len(cells) == 1 and not re.search(r"\d", re.sub(r"\(.*?\)", "", text))
+        is_short = len(text.split()) < 8 and not re.search(r"\d", re.sub(r"\(.*?\)", "", text))
         if sheet_names.has_word("other", text):
-            if is_short and len(text.split()) < 8 and not sheet_names.has_word("fabric", text):
+            if is_short and sum(map(bool, cells)) == 1 and not sheet_names.has_word("fabric", text):
                 self.section, line.why = "other", "a heading of something else"
             return
-        if is_short and sheet_names.has_only(("fabric", "yarn", "nothing"), text):
-            kinds = [kind for kind in ("yarn", "fabric") if sheet_names.has_word(kind, text)]
-            self.section, line.why = "".join(kinds[:1]), A_HEADING
         if line in self.lines[:3]:
             self.texts.append((text, line, 2))
 
@@ -301,15 +323,20 @@ class _Reader:
             else:
                 self.texts += [(text, line, 0)] * ("linear_density" in name.keys)
                 self.put(line, name, *self.understand(line, name, given))
+        except UnknownWords as why:
+            line.why = str(why)
+            if "linear_density" in name.keys and len(yarns := _yarns_of(text)) == 1:
+                line.why = ""  # "Kevlar KM2 600 denier"
+                self.put(line, name, "linear_density", {"": yarns.pop()})
         except Unclear as why:
-            line.why = line.why or str(why)
+            line.why = str(why)
 
     def of_one_fabric(self, given):
         """The cells of a row that are of the fabric that is meant."""
         fabrics = [cell for role, cell in given if role == "fabric"]
         others = [(role, cell) for role, cell in given if role not in ("fabric", "other", "name")]
         if fabrics and self.chosen is None and len({fold(cell) for cell in fabrics}) > 1:
-            raise Unclear("of several fabrics: name the file after one of them")
+            raise Unclear(_SEVERAL)
         if fabrics and len(fabrics) < self.columns.count("fabric"):
             raise Unclear("of some of several fabrics")
         if fabrics:
@@ -351,7 +378,7 @@ class _Reader:
         if "most" in bounds or ("least" in bounds and key and key not in PROMISED):
             raise Unclear("a bound, and no value")
         if words and key not in ("", "count"):
-            raise Unclear(f"what {words} means is not known")
+            raise UnknownWords(f"{words} is no part of it")
         if words:  # "21 x 21 plain"
             self.take_weave(line, words)
         return key, readings
@@ -383,23 +410,18 @@ class _Reader:
                 why = f"lines {above.number} and {line.number} disagree: {first} and {text}"
                 self.clashes[key] = why
                 raise Unclear(why)
-        line.keys.append(key)
+        line.keys += [key] * (key not in line.keys)
 
     # what the whole sheet settles
 
     def settle_texts(self):
         """Take the linear density and the weave that texts say, where no row has one."""
         for rank in range(3):
-            texts = [(fold(text), line) for text, line, of in self.texts if of == rank]
-            said = {}
-            for text, line in texts:
-                if not _PLIED.search(_YARN.sub(" ", text)):
-                    for number, unit in _YARN.findall(text):
-                        said[read_number("linear_density", number, sheet_names.unit(unit))] = line
-            numbers = [reading[1] for reading in said if reading]
-            if numbers and not self.found.get("linear_density"):
-                ((text, number), line), *_ = said.items()
-                if max(numbers) > (1 + ROUNDED) * min(numbers):
+            texts = [(clean(text), line) for text, line, of in self.texts if of == rank]
+            said = {yarn: line for text, line in texts if rank for yarn in _yarns_of(text)}
+            if said and not self.found.get("linear_density"):
+                ((text, number), line), *others = said.items()
+                if any(abs(other / number - 1) > ROUNDED for (_, other), _ in others):
                     self.clashes["linear_density"] = "several yarns"
                 self.found["linear_density"] = dict.fromkeys(FAMILIES, (text, number, line))
                 line.keys.append("linear_density")
@@ -481,7 +503,7 @@ class _Reader:
                 return None
             # the longest first: polyethylene terephthalate is no polyethylene
             for word, family in sorted(words, key=lambda each: -len(each[0])):
-                whole = rf"(?<![\w-]){re.escape(word)}(?:e|faser|gewebe)?(?![a-z])"
+                whole = rf"(?<![\w-]){re.escape(word)}(?:[ae]|faser|gewebe)?(?![a-z])"
                 rest, times = re.subn(whole, " ", rest)
                 if times:
                     said.setdefault(family.name, line)
@@ -490,6 +512,18 @@ class _Reader:
         ((name, line),) = said.items()
         line.keys.append("family")
         return name
+
+
+def _yarns_of(text):
+    """{Reading} of the linear densities that a text says; empty if it speaks of plied yarns."""
+    folded = clean(text)
+    if _PLIED.search(_YARN.sub(" ", folded)):
+        return set()
+    found = [
+        read_number("linear_density", number, sheet_names.unit(unit))
+        for number, unit in _YARN.findall(folded)
+    ]
+    return {reading for reading in found if reading}
 
 
 def _split_name(cell):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from fabrics.base.errors import InputError
@@ -29,16 +29,25 @@ _TOKEN = re.compile(rf"({_NUMBER})|([x*/,;|:()\[\]])|([^\W\d_][\w'^.-]*|\S)")
 _NOISE = re.compile(
     r"\(?(?:±|\+/?-)\s*[\d.,]+\s*%?\)?|~|≈|(?<=\d)[*¹²³]+(?=\s|$)"
     r"|\b(?:ca|approx(?:imately)?|about|typ(?:ical)?|nom(?:inal)?|avg|average)\b\.?"
-    r"|\b(?:(?:astm|iso|din|en|bs|jis|nf|mil)[ -])+(?:[a-z]{0,3} ?)?\d[\w.-]*"
 )
+# in capitals: "mil" is a unit, and "en" a word
+_STANDARD = re.compile(
+    r"\b(?:EN[ /-]*)?(?:DIN|ISO|NF|BS|JIS|ASTM)(?:[ /-]*(?:EN|ISO))*[ /-]*(?:[A-Z][ -]?)?\d{2,6}(?:[-:]\d+)*"
+    r"|\bEN \d{5}\b|\bMIL-[A-Z0-9-]+"
+)
+_INITIALS = re.compile(r"\b[wk]\b([^a-z]*)\b[fs]\b")
 _TOLERANCE = re.compile(r"(\S*[a-z%^]\S*)\s*\(?(?:±|\+/?-)\s*[\d.,]+\s*\1\)?")
 _FILAMENTS = re.compile(r"(?<=\d)\s*f\s*\d+\b|\bf\s*\d+\b|\b\d+ (?:filaments|fils?\b)")
-_GLASS = re.compile(r"\b[ecd]{1,2}(?:bc|de|[b-k]) ?(\d+(?:\.\d+)?)[ -]+(\d)/(\d)\b")
-_AND = ("by", "and", "und", "et", "-")
+_GLASS = re.compile(r"\b[ecds]{1,2}(?:bc|de|[b-k]) ?(\d+(?:\.\d+)?)[ -]+(\d)/(\d)\b")
+_AND = ("by", "and", "und", "et")
 
 
 class Unclear(Exception):
     """A value of which no reading is left, or more than one."""
+
+
+class UnknownWords(Unclear):
+    """A value with words that are not known, and so with none or one in them."""
 
 
 @dataclass
@@ -54,8 +63,8 @@ class Amount:
 
 def clean(text: str) -> str:
     """Fold a cell, without tolerances, standards and words that change nothing."""
-    text = _TOLERANCE.sub(r"\1", fold(text))
-    return _NOISE.sub(" ", text).strip(" -:")
+    text = _TOLERANCE.sub(r"\1", fold(_STANDARD.sub(" ", text)))
+    return re.sub(r"\s+", " ", _NOISE.sub(" ", text)).strip(" -:")
 
 
 def read_number(key: str, written: str, unit: str) -> Reading | None:
@@ -90,11 +99,14 @@ def read_cells(
     ------
     Unclear : no reading is left, or more than one
     """
+    text = _INITIALS.sub(r"warp\1weft", text)
     if "linear_density" in name.keys:
         text = _FILAMENTS.sub(" ", _GLASS.sub(_tex_of_glass, text))
     amounts, words = _find_amounts(text)
     if not amounts:
-        raise Unclear("no number of it is understood")
+        raise UnknownWords("no number of it is understood")
+    if words and not sheet_names.find_weave(" ".join(words)):
+        raise UnknownWords(f"what {' '.join(words)} means is not known")
     for amount, behind in reversed(list(pairwise(amounts))):
         if not amount.unit and behind.mark != "|" and behind.bracket == amount.bracket:
             amount.unit = behind.unit  # "850 x 880 N/5cm"
@@ -164,7 +176,7 @@ def _length_of_unit(text, start):
     """Length of the longest unit at a place of a text, 0 without one."""
     rest = re.split(r"[,;|()\[\]]", text[start : start + 30])[0]
     for stop in sorted({found.end() for found in re.finditer(r"[\w%\"'^.-]+", rest)}, reverse=True):
-        if not re.match(r"\s*[\^\d]", rest[stop:]) and sheet_names.unit(rest[:stop]):
+        if not re.match(r"\s*\^|\d", rest[stop:]) and sheet_names.unit(rest[:stop]):
             return stop
     return 0
 
@@ -235,4 +247,8 @@ def _of_families(name, key, amounts, order) -> Iterator[tuple[str, Amount]]:
         raise Unclear(f"{first.number}/{second.number} may be warp and weft, or filaments")
     if first.number == second.number:
         return [("", first)]
+    # "12 500 N/5cm", if it cannot be two numbers
+    thousands = re.fullmatch(r"\d{1,3} \d{3}", f"{first.number} {second.number}")
+    if thousands and not second.mark and key and not read_number(key, first.number, second.unit):
+        return [("", replace(first, number=first.number + second.number))]
     raise Unclear(f"{first.number} and {second.number}: it does not say of what each is")

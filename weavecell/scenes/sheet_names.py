@@ -122,7 +122,11 @@ class Name:
 
 def _titles():
     """{name: keys that it may be of}."""
-    found: dict[str, tuple[str, ...]] = {key.replace("_", " "): (key,) for key in ALL}
+    found: dict[str, tuple[str, ...]] = {
+        key.replace("_", " "): (key,)
+        for key in ALL
+        if key != "width"  # of the fabric, where it does not say of what
+    }
     for key, names in NAMES.items():
         for name in names:
             words = " ".join(_words(name))
@@ -142,6 +146,7 @@ _LONGEST_FIRST = sorted(_TITLES, key=len, reverse=True)
 def find(text: str) -> Name | None:
     """Return the Name that a text is; None if a word of it is not known."""
     folded = _UNDER_PRESSURE.sub(" ", fold(text))
+    folded = re.sub(r"\bw x f\b", "warp x weft", folded)
     if not folded or len(folded) > 90:
         return None
     brackets = re.findall(r"[\[(]([^\])]*)[\])]", folded)
@@ -153,7 +158,7 @@ def find(text: str) -> Name | None:
         bound = [word for word in _words(inside) if word in _AROUND["least"] | _AROUND["most"]]
         found = unit(re.sub(rf"[, ]*\b(?:{'|'.join(bound)})\b", "", inside) if bound else inside)
         units += [found] * bool(found)
-        more += bound if found else _words(inside)
+        more += bound if found else [word for word in _words(inside) if not word.isdigit()]
     for part in (plain, *re.split(r"\s/\s|\s\|\s", plain)):
         found = _find_one(part, units[0] if units else "", more)
         if found is not None:
@@ -165,9 +170,9 @@ def _find_one(text, written, more):
     """The Name of a text without brackets, of which `more` are the words and `written` the unit."""
     if not written:
         text, written = _without_unit(text)
-    text = re.sub(r"(?<=[a-z])\^\d", "", text)  # a mark of a footnote
+    text = re.sub(r"(?<=[a-z])\^\d|\b\d\)$", "", text)  # marks of footnotes
     words = _words(text)
-    everything = [word for word in (*words, *more) if not re.fullmatch(r"\d", word)]
+    everything = [*words, *more]
     families = [family for word in everything for family in FAMILIES if word in _AROUND[family]]
     flat = " ".join(words)
     whole = " ".join(word for word in words if word not in _AROUND["nothing"])
@@ -183,7 +188,7 @@ def _find_one(text, written, more):
         keys, title, rest = (), "", everything
         if not families:
             return None
-    if not {word for word in rest if not re.fullmatch(r"\d", word)} <= _KNOWN_AROUND:
+    if not {*rest} <= _KNOWN_AROUND:
         return None
     if not written and unit(flat):
         written = unit(flat)  # "Denier"
@@ -199,7 +204,7 @@ def _find_one(text, written, more):
 
 def _without_unit(text):
     """(the text before a unit at its end, that unit), or (the text, "")."""
-    for cut in re.finditer(r"\s*(?:,|:|\s-\s|\sin\s|/|\bper\b|(?<=\s)(?=[a-z%\"/]))", text):
+    for cut in re.finditer(r"\s*(?:,|:|\s-\s|\sin\s|/|\bper\b|(?<=\s)(?=[a-z%\"/]|1 ?/))", text):
         before, behind = text[: cut.start()].strip(" ,-:"), text[cut.start() :]
         for tail in (behind, re.sub(r"^\s*(?:,|:|-|in\s|/)\s*", "", behind)):
             found = unit(tail)
@@ -231,7 +236,7 @@ def column(text: str) -> str:
 
 def find_weave(text: str) -> str:
     """Return the name of the weave that a text or a part of it is, else ""."""
-    folded = fold(text)
+    folded = re.sub(r"(?<=\d):(?=\d)", "/", fold(text))
     for part in (folded, *re.split(r"[,;|]\s*|\s-\s|:\s|[()]", folded)):
         words = " ".join(_WEAVES.get(word, word) for word in part.strip(" .").split())
         with suppress(InputError):
