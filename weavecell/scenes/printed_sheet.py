@@ -177,9 +177,8 @@ class _Reader:
             cell[:1].isdigit() for cell in heading
         ):
             return False
-        below = []
-        while self.rows and len(self.rows[0][1]) == len(heading):
-            below.append(self.rows.pop(0))
+        below = [row for row in self.rows if len(row[1]) == len(heading)]
+        rest = [row for row in self.rows if len(row[1]) != len(heading)]
         self.columns = ["name", *["fabric"] * len(below)]
         self.chosen = self.choose([cells[0] for _, cells in below])
         used = 0 if self.chosen is None else self.chosen
@@ -189,7 +188,7 @@ class _Reader:
             self.rows = [
                 (below[used][0], [name, *(cells[place] for _, cells in below)])
                 for place, name in enumerate(heading)
-            ] + self.rows
+            ] + rest
         line.why = A_HEADING
         return True
 
@@ -302,7 +301,7 @@ class _Reader:
             if is_short and sum(map(bool, cells)) == 1 and not sheet_names.has_word("fabric", text):
                 self.section, line.why = "other", "a heading of something else"
             return
-        if line in self.lines[:3]:
+        if not self.found and not self.columns:
             self.texts.append((text, line, 2))
 
     # values
