@@ -31,7 +31,7 @@ from weavecell.scenes.sheet_cells import (
     read_cells,
     read_number,
 )
-from weavecell.scenes.sheet_names import ALL, DESCRIPTION, WEAVE, Name, fold
+from weavecell.scenes.sheet_names import ALL, DESCRIPTION, PATTERNS, WEAVE, Name, fold
 
 MOST_LINES = 1000
 MARKS = ("|", "\t", ";", ",", "")
@@ -42,20 +42,6 @@ PROMISED = ("count", "strength", "tenacity", BREAKING)
 OF_FIBRE = ("strength", "tenacity", "modulus", "fibre_density", "failure_strain")
 A_HEADING = "a heading"
 _SEVERAL = "of several fabrics: name the file after one of them, or leave one in it"
-_LEAST = re.compile(r"(?:≥|>=?|\bmin(?:imum|\.|\b))\.?")
-_OF_UNITS = r"\b(?:5|10|50|100) ?[cm]m\b|\b1 ?/|[a-z]\^?\d\b|\(.*?\)"
-_MOST = re.compile(r"(?:≤|<=?|\bmax(?:imum|\.|\b))\.?")
-_YARN = re.compile(
-    r"(?<![\d.,/x])(?<!\d-)(?<!\d - )(?<!\b(?:or|to) )(\d{1,3},\d{3}|\d+)"
-    r"(?:/(?!\d{3})\d+)?[ -]?(denier|den|dtex|d-tex|tex|d)\b"
-)
-_PLIED = re.compile(r"\b\d ?x\b|\bx ?\d\b|\bpl(?:y|ied)\b|\bzwirn|\bretors\b|/\d\b")
-_NO_FAMILY = re.compile(
-    r"\b(?:s-?2?|r|c|ar|ecr|d|l)[- ]?glass|\bm(?:eta)?-?\s?aramid|nomex|glass transition"
-)
-_UNTREATED = re.compile(
-    r"\b(?:un|not |non-?|no )(?:coated|impregnated|coating)|coating\W+(?:none|no\b|-)"
-)
 
 
 @dataclass
@@ -125,7 +111,7 @@ class _Reader:
             if re.search(r"\w", text)
         ]
         self.lines = [line for line, _ in self.rows]
-        everything = _UNTREATED.sub(" ", fold(" ".join(texts)))
+        everything = PATTERNS["untreated"].sub(" ", fold(" ".join(texts)))
         self.treated = sheet_names.has_word("treated", everything)
         self.columns: list[str] = []  # role of each
         self.chosen: int | None = None  # of the columns of fabrics
@@ -276,7 +262,7 @@ class _Reader:
         for count in range(min(len(words) - 1, 9), 0, -1):
             begin = " ".join(words[:count])
             name = sheet_names.find(begin)
-            if re.search(r"\d", re.sub(_OF_UNITS, "", begin)):
+            if re.search(r"\d", PATTERNS["digits_of_units"].sub("", begin)):
                 continue
             rest = " ".join(words[count:])
             if name is None:
@@ -284,7 +270,7 @@ class _Reader:
             is_text = {WEAVE, "linear_density"} & {*name.keys} or (
                 count == 1 and DESCRIPTION in name.keys
             )
-            if is_text or re.match(r"[\d~≈(]|ca\b|min\b", rest):
+            if is_text or PATTERNS["begins_value"].match(rest):
                 return name, [("", rest)]
         return None, []
 
@@ -368,11 +354,15 @@ class _Reader:
                 raise Unclear("of warp or weft alone")
             elif text := clean(cell):
                 bounds |= (
-                    {"least"} if _LEAST.search(text) else {"most"} if _MOST.search(text) else set()
+                    {"least"}
+                    if PATTERNS["least"].search(text)
+                    else {"most"}
+                    if PATTERNS["most"].search(text)
+                    else set()
                 )
                 cells.append(f"{role} {text}" if len(of_columns) == 2 else text)
         roles = [role for role in self.columns if role in ("value", "least", "most", *FAMILIES)]
-        text = _LEAST.sub(" ", " | ".join(cells))
+        text = PATTERNS["least"].sub(" ", " | ".join(cells))
         key, readings, words = read_cells(name, text, units[0], roles if len(cells) == 1 else ())
         if "most" in bounds or ("least" in bounds and key and key not in PROMISED):
             raise Unclear("a bound, and no value")
@@ -498,7 +488,7 @@ class _Reader:
         said: dict[str, Line] = {}
         for text, line, _ in self.texts:
             rest = fold(text)
-            if _NO_FAMILY.search(rest):
+            if PATTERNS["no_family"].search(rest):
                 return None
             # the longest first: polyethylene terephthalate is no polyethylene
             for word, family in sorted(words, key=lambda each: -len(each[0])):
@@ -516,11 +506,11 @@ class _Reader:
 def _yarns_of(text):
     """{Reading} of the linear densities that a text says; empty if it speaks of plied yarns."""
     folded = clean(text)
-    if _PLIED.search(_YARN.sub(" ", folded)):
+    if PATTERNS["plied"].search(PATTERNS["yarn"].sub(" ", folded)):
         return set()
     found = [
         read_number("linear_density", number, sheet_names.unit(unit))
-        for number, unit in _YARN.findall(folded)
+        for number, unit in PATTERNS["yarn"].findall(folded)
     ]
     return {reading for reading in found if reading}
 

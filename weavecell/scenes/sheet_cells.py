@@ -16,7 +16,7 @@ from fabrics.base.errors import InputError
 from fabrics.fabric_tables import FAMILIES
 from weavecell.scenes import sheet_names
 from weavecell.scenes.missing_values import BREAKING
-from weavecell.scenes.sheet_names import ALL, Name, fold
+from weavecell.scenes.sheet_names import ALL, PATTERNS, Name, fold
 
 # [-] numbers that differ by no more are one, rounded in two units
 ROUNDED = 0.035
@@ -26,19 +26,6 @@ Reading = tuple[str, float]  # as a fabric file has it, and in SI
 
 _NUMBER = r"(?:\d{1,3}(?:[,.']\d{3})+(?:[.,]\d+)?(?![\d.,])|\d+(?:[.,]\d+)?|[.,]\d+)"
 _TOKEN = re.compile(rf"({_NUMBER})|([x*/,;|:()\[\]])|([^\W\d_][\w'^.-]*|\S)")
-_NOISE = re.compile(
-    r"\(?(?:±|\+/?-)\s*[\d.,]+\s*%?\)?|~|≈|(?<=\d)[*¹²³]+(?=\s|$)"
-    r"|\b(?:ca|approx(?:imately)?|about|typ(?:ical)?|nom(?:inal)?|avg|average)\b\.?"
-)
-# in capitals: "mil" is a unit, and "en" a word
-_STANDARD = re.compile(
-    r"\b(?:EN[ /-]*)?(?:DIN|ISO|NF|BS|JIS|ASTM)(?:[ /-]*(?:EN|ISO))*[ /-]*(?:[A-Z][ -]?)?\d{2,6}(?:[-:]\d+)*"
-    r"|\bEN \d{5}\b|\bMIL-[A-Z0-9-]+"
-)
-_INITIALS = re.compile(r"\b[wk]\b([^a-z]*)\b[fs]\b")
-_TOLERANCE = re.compile(r"(\S*[a-z%^]\S*)\s*\(?(?:±|\+/?-)\s*[\d.,]+\s*\1\)?")
-_FILAMENTS = re.compile(r"(?<=\d)\s*f\s*\d+\b|\bf\s*\d+\b|\b\d+ (?:filaments|fils?\b)")
-_GLASS = re.compile(r"\b[ecds]{1,2}(?:bc|de|[b-k]) ?(\d+(?:\.\d+)?)[ -]+(\d)/(\d)\b")
 _AND = ("by", "and", "und", "et")
 
 
@@ -63,8 +50,8 @@ class Amount:
 
 def clean(text: str) -> str:
     """Fold a cell, without tolerances, standards and words that change nothing."""
-    text = _TOLERANCE.sub(r"\1", fold(_STANDARD.sub(" ", text)))
-    return re.sub(r"\s+", " ", _NOISE.sub(" ", text)).strip(" -:")
+    text = PATTERNS["tolerance"].sub(r"\1", fold(PATTERNS["standard"].sub(" ", text)))
+    return " ".join(PATTERNS["nothing"].sub(" ", text).split()).strip(" -:")
 
 
 def read_number(key: str, written: str, unit: str) -> Reading | None:
@@ -99,9 +86,9 @@ def read_cells(
     ------
     Unclear : no reading is left, or more than one
     """
-    text = _INITIALS.sub(r"warp\1weft", text)
+    text = PATTERNS["initials"].sub(r"warp\1weft", text)
     if "linear_density" in name.keys:
-        text = _FILAMENTS.sub(" ", _GLASS.sub(_tex_of_glass, text))
+        text = PATTERNS["filaments"].sub(" ", PATTERNS["yarn_of_glass"].sub(_tex_of_glass, text))
     amounts, words = _find_amounts(text)
     if not amounts:
         raise UnknownWords("no number of it is understood")
