@@ -114,6 +114,16 @@ def read_cells(
     return key, first, " ".join(words)
 
 
+def read_yarns(text: str) -> set[Reading]:
+    """Read the linear densities that a text says, such as "Kevlar KM2 600 denier"; none of plied yarns."""
+    folded = clean(text)
+    if PATTERNS["plied"].search(PATTERNS["yarn"].sub(" ", folded)):
+        return set()
+    written = PATTERNS["yarn"].findall(folded)
+    found = {read_number("linear_density", each, sheet_names.unit(unit)) for each, unit in written}
+    return {reading for reading in found if reading}
+
+
 def _tex_of_glass(found):
     """The tex of a yarn of glass, whose number is hundreds of yards in a pound of one strand."""
     strands = max(1, int(found[2])) * max(1, int(found[3]))
