@@ -64,7 +64,6 @@ SYNONYMS = {
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
     # of data sheets
-    "key": ("property", "characteristic", "parameter"),
     "warp": ("ends",),
     "weft": ("fill", "filling", "picks"),
 }

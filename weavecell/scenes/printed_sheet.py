@@ -111,7 +111,7 @@ class _Reader:
         self.pending: Name | None = None  # its values stand in the lines below
         # of each key and family
         self.found: dict[str, dict[str, tuple[str, float, Line]]] = {}
-        self.bare: list[tuple[dict[str, float], Line]] = []  # counts without a unit
+        self.bare: list[tuple[str, float, Line]] = []  # family of counts without a unit
         self.clashes: dict[str, str] = {}  # why keys are left
         # that may name fibre, yarn and weave: in a row of the yarn, 0, a description, 1, or a title, 2
         self.texts: list[tuple[str, Line, int]] = []
@@ -336,8 +336,12 @@ class _Reader:
     def put(self, line, name, key, readings):
         """Keep the numbers of a row."""
         of = name.of or (self.section if self.section in ("yarn", "fabric") else "")
+        section = (self.section,) if self.section in FAMILIES else FAMILIES
+        if set(readings) == {""}:
+            only = name.families if len(name.families) == 1 else section
+            readings = dict.fromkeys(FAMILIES if key in OF_FABRIC else only, readings[""])
         if not key:
-            self.bare.append(({family: number for family, (_, number) in readings.items()}, line))
+            self.bare += [(family, number, line) for family, (_, number) in readings.items()]
             raise Unclear("has no unit")
         unit = next(iter(readings.values()))[0].partition(" ")[2]
         if key == "strength" and of != "yarn" and not unit.endswith(("Pa", "psi")):
@@ -347,10 +351,6 @@ class _Reader:
         if key in ("areal_density", "thickness") and self.treated and of != "fabric":
             raise Unclear("may be of the treated fabric")
         self.unsaid_strain |= key == "failure_strain" and of != "yarn"
-        if set(readings) == {""}:
-            only = name.families if len(name.families) == 1 else ()
-            only = only or ((self.section,) if self.section in FAMILIES else FAMILIES)
-            readings = dict.fromkeys(FAMILIES if key in OF_FABRIC else only, readings[""])
         if key in OF_FABRIC and len({number for _, number in readings.values()}) > 1:
             raise Unclear("two numbers for one of the fabric")
         here = self.found.setdefault(key, {})
@@ -368,12 +368,13 @@ class _Reader:
         """Take the linear density and the weave that texts say, where no row has one."""
         for rank in range(3):
             texts = [(text, line) for text, line, of in self.texts if of == rank]
-            yarns = [(yarn, line) for text, line in texts if rank for yarn in read_yarns(text)]
+            yarns = [(read_yarns(text), line) for text, line in texts if rank]
             weaves = [(text, line) for text, line in texts if sheet_names.find_weave(text)]
             if not self.found.get("linear_density"):
-                for reading, line in yarns:
+                for several, line in yarns:
                     with suppress(Unclear):
-                        self.put(line, Name(()), "linear_density", {"": reading})
+                        if len(several) == 1:
+                            self.put(line, Name(()), "linear_density", {"": several.pop()})
             if WEAVE not in self.found:
                 for text, line in weaves:
                     self.put_weave(line, text)
@@ -382,9 +383,9 @@ class _Reader:
         """Take a count without a unit as that per inch, cm or 10 cm which gives the areal density."""
         density = self.found.get("linear_density", {})
         areal = self.found.get("areal_density", {})
-        bare = [item for numbers, _ in self.bare for item in numbers.items()]
-        pair = {family: dict(bare).get(family, dict(bare).get("")) for family in FAMILIES}
-        if "count" in self.found or None in pair.values() or len(density) < 2 or not areal:
+        pair = {family: number for family, number, _ in self.bare}
+        once = len(pair) == len(self.bare) == len(density) == 2
+        if not once or "count" in self.found or not areal:
             return
         fits = {}
         for unit in ("/ inch", "/ cm", "/ 10 cm"):
@@ -395,9 +396,9 @@ class _Reader:
                 mass = sum(counts[family][1] * density[family][1] for family in FAMILIES)
                 if STRAIGHT[0] < mass / areal["warp"][1] < STRAIGHT[1]:
                     fits[unit] = counts
-        if len(fits) == 1 and len(bare) <= 2:
+        if len(fits) == 1:
             ((unit, counts),) = fits.items()
-            for _, line in self.bare:
+            for line in {id(line): line for _, _, line in self.bare}.values():
                 line.keys.append("count")
                 line.text += f" (its unit, {unit}, follows from the areal density)"
             self.found["count"] = {family: (*counts[family], line) for family in FAMILIES}

@@ -114,6 +114,8 @@ def find(text: str) -> Name | None:
     """Return the Name that a text is; None if a word of it is not known."""
     folded = PATTERNS["under_pressure"].sub(" ", fold(text))
     folded = re.sub(r"\bw x f\b", "warp x weft", folded)
+    if DESCRIPTION in _TITLES.get(" ".join(_words(folded)), ()):
+        return Name((DESCRIPTION,), folded)
     if not folded or len(folded) > 90 or not AROUND["other"].isdisjoint(_words(folded)):
         return None
     written = ""
@@ -164,7 +166,8 @@ def _without_unit(text):
     for cut in re.finditer(r"\s*(?:[,:/]|\s-\s|\sin\s|\bper\b|(?<=\s)(?=[a-z%\"/]|1 ?/))", text):
         before, behind = text[: cut.start()].strip(" ,-:"), text[cut.start() :]
         for tail in (behind, re.sub(r"^\s*(?:[,:/-]|in\s)\s*", "", behind)):
-            if before and not family_of(tail.strip()) and (found := unit(tail)):
+            # "Ends / Picks per inch" is no unit of ends
+            if before and not family_of(tail.strip(" /").split(" ")[0]) and (found := unit(tail)):
                 return before, found
     return text, ""
 
@@ -190,13 +193,14 @@ def column(text: str) -> str:
 
 
 def find_weave(text: str) -> str:
-    """Return the name of the weave that a text or a part of it is, else ""."""
+    """Return the name of the weave that a text is, or its one part that is a weave; else ""."""
     folded = re.sub(r"(?<=\d):(?=\d)", "/", fold(text))
+    found = []
     for part in (folded, *re.split(r"[,;|]\s*|\s-\s|:\s|[()]", folded)):
         words = " ".join(_WEAVES.get(word, word) for word in part.strip(" .").split())
         with suppress(InputError):
-            return Pattern.read(words).name
-    return ""
+            found.append(Pattern.read(words).name)
+    return found[0] if len(set(found)) == 1 else ""
 
 
 def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[Row]:
