@@ -8,15 +8,17 @@ lines say what was read, what was assumed, what is missing, and where the file i
 from __future__ import annotations
 
 from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from fabrics import assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.files import write
 from weavecell.scenes import printed_sheet
-from weavecell.scenes.fabric_file import INSTEAD, REQUIRED, TYPICAL, Draft
+from weavecell.scenes.fabric_file import INSTEAD, REQUIRED, TYPICAL, Draft, left_open
 from weavecell.scenes.missing_values import BREAKING, complete
 from weavecell.scenes.sheet_names import ALL
 
@@ -62,22 +64,26 @@ def read_draft(path: FilePath, name: str, family: str | None = None) -> tuple[Dr
 def write_draft(draft: Draft, path: FilePath, fitted: Collection[str] = ()) -> list[str]:
     """Write the file of a draft, which may lack what makes a fabric; return lines about what is assumed,
     what is missing and where the file is."""
-    assumed = []
+    stands_in = []
     for key, value in draft.values.items():
         if value.stands_in:
             low, high = value.ranges.get("warp", ("", ""))
-            assumed.append(f"{key} {value.warp}" + f" ({low} .. {high})" * bool(low))
+            stands_in.append(f"{key} {value.warp}" + f" ({low} .. {high})" * bool(low))
     missing = _missing(draft, fitted)
     try:
-        assumed += [name for name in draft.fabric().assumed if name != "failure_length"]
-        more = f"the compression law, which `weavecell calibrate {path}` computes"
+        fabric = draft.fabric()
+        with suppress(InputError):  # of no fibre family, which `left_open` says
+            fabric = assumed.with_solid_laws(assumed.with_shear(fabric))
+        stands_in += [name for name in fabric.assumed if name != "failure_length"]
+        open_lines = [line for line in left_open(fabric, path) if line.startswith("missing: ")]
+        more = "; ".join(line.removeprefix("missing: ") for line in open_lines)
     except InputError as problem:
         first = getattr(problem, "problems", (problem,))[0]
         more = missing or str(first.changed(file=None, line=0))
     remarks = (*draft.remarks, *([f"missing: {missing}"] if missing else []))
     write(path, replace(draft, remarks=remarks).text())
     return [
-        f"assumed: {', '.join(assumed) or 'nothing'}",
+        f"assumed: {', '.join(stands_in) or 'nothing'}",
         f"missing: {more}",
         f"written to {path}, with a comment on each line of the sheet",
     ]

@@ -439,7 +439,8 @@ class _Reader:
             for word, name in sorted(words, key=lambda each: -len(each[0])):
                 whole = rf"(?<![\w-]){re.escape(word)}(?:[ae]|faser|gewebe)?(?![a-z])"
                 rest, times = re.subn(whole, " ", rest)
-                said |= {name: line} if times else {}
+                if times:
+                    said.setdefault(name, line)
         for line in said.values() if len(said) == 1 else ():
             line.keys.append("family")
         return next(iter(said)) if len(said) == 1 else None
