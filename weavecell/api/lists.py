@@ -551,19 +551,14 @@ def new_fabric(
     fitted: tuple[str, ...] = ()
     if yarn_curve is not None:
         fitted = fabric_file.OF_YARN_CURVE
-    printed = values is not None and not fabric_file.is_own_table(values)
     told: list[str] = []
-    if printed:
+    printed = values is not None and not fabric_file.is_own_table(values)
+    if values is not None and printed:
         draft, *told = printed_draft.read_draft(values, path.stem, family)
+    elif values is not None:
+        draft = fabric_file.read_draft(values, path.stem, family, fitted)
     else:
-        entered, idealised = (
-            (_ask_values(family, fitted), False)
-            if values is None
-            else fabric_file.read_values(values, family, fitted)
-        )
-        draft = fabric_file.Draft(
-            path.stem, entered, file=values, family=family, idealised=idealised
-        )
+        draft = fabric_file.Draft(path.stem, _ask_values(family, fitted), family=family)
     draft, fits = fabric_file.with_curves(
         draft,
         yarn=yarn_curve,

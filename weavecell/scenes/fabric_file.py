@@ -229,6 +229,12 @@ def read_values(
     return values, idealised
 
 
+def read_draft(path: FilePath, name: str, family: str | None, fitted: Collection[str]) -> Draft:
+    """Return the draft of a CSV file, whose arguments are those of `read_values`."""
+    values, idealised = read_values(path, family, fitted)
+    return Draft(name, values, file=path, family=family, idealised=idealised)
+
+
 def is_own_table(path: FilePath) -> bool:
     """Tell whether a file has the heading of this project, key, warp, weft, and is read to the letter."""
     try:

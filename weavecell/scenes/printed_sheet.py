@@ -9,13 +9,13 @@ one reading alone is possible, and so are lines that disagree. A count without a
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from fabrics.base import tables
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.files import read_text
@@ -135,8 +135,8 @@ class _Reader:
         """The cells of a line."""
         cells = [text]
         if self.mark in (";", ","):
-            with suppress(csv.Error):
-                (cells,) = csv.reader([text], delimiter=self.mark, skipinitialspace=True)
+            with suppress(InputError):
+                cells = tables.split_cells((0, text), self.mark, self.file)
         elif self.mark:
             cells = text.strip("|\n").split(self.mark)
         else:

@@ -7,7 +7,7 @@ One reading alone may be left of them, of one or of two families and in any numb
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -211,7 +211,7 @@ def _read_one_unit(name, amounts, unit, order):
     return key, found
 
 
-def _of_families(name, key, amounts, order) -> Iterator[tuple[str, Amount]]:
+def _of_families(name, key, amounts, order):
     """(family or "" of both, Amount) of one or two numbers."""
     if len(amounts) == len(order) > 1:
         roles = dict(zip(order, amounts))
