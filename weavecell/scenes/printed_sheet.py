@@ -42,7 +42,7 @@ STRAIGHT = (0.8, 1.1)
 PROMISED = ("count", "strength", "tenacity", BREAKING)
 OF_FIBRE = ("strength", "tenacity", "modulus", "fibre_density", "failure_strain")
 A_HEADING = "a heading"
-SEVERAL = "of several fabrics: name the file after one of them, or leave one in it"
+SEVERAL = "is of several fabrics: name the file after one of them, or leave one in it"
 
 
 @dataclass
@@ -88,8 +88,9 @@ def read(path: FilePath, hints: Sequence[str] = ()) -> Sheet:
     sheets = [_Reader(lines, mark, Path(path).name, named).sheet() for mark in MARKS]
     best = max(sheets, key=lambda one: (len(one.values), sum(len(each.keys) for each in one.lines)))
     if not best.values:
-        if any(SEVERAL == line.why for each in sheets for line in each.lines):
-            raise InputError(f"is {SEVERAL}", file=path)
+        for line in (line for each in sheets for line in each.lines):
+            if line.why == SEVERAL or "disagree" in line.why:
+                raise InputError(line.why, file=path, key=f"line {line.number}")
         allowed = "lines of a name, a number and a unit, such as Thickness: 0.30 mm"
         raise InputError("nothing of this sheet is understood", file=path, allowed=allowed)
     return best
@@ -101,8 +102,9 @@ class _Reader:
     def __init__(self, lines, mark, file, hints):
         self.mark, self.file, self.hints = mark, file, hints
         texts = [(number, text) for number, text in enumerate(lines, 1) if re.search(r"\w", text)]
-        self.rows = [(Line(number, text.strip()), self.split(text)) for number, text in texts]
-        self.lines = [line for line, _ in self.rows]
+        of_lines = [(Line(number, text.strip()), text) for number, text in texts]
+        self.lines = [line for line, _ in of_lines]
+        self.rows = [(line, cells) for line, text in of_lines for cells in self.split(text)]
         untreated = PATTERNS["untreated"].sub(" ", fold(" ".join(lines)))
         self.treated = sheet_names.has_word("treated", untreated)
         self.columns: list[str] = []  # role of each
@@ -132,7 +134,7 @@ class _Reader:
     # rows
 
     def split(self, text):
-        """The cells of a line."""
+        """[cells] of the rows of a line, of which it mostly has one."""
         cells = [text]
         if self.mark in (";", ","):
             with suppress(InputError):
@@ -143,11 +145,14 @@ class _Reader:
             cells = re.split(r"\s{2,}|\t", text.strip())
         cells = [re.sub(r"\*\*|__|`", "", cell).strip() for cell in cells]
         filled = [cell for cell in cells if cell]
+        pairs = [_split_name(cell) for cell in filled]
+        if len(pairs) > 1 and all(len(pair) == 2 for pair in pairs):
+            return pairs
         if self.mark and len(filled) != 1:
-            return cells
-        parts = [part for cell in filled for part in _split_name(cell)]
+            return [cells]
+        parts = [part for pair in pairs for part in pair]
         # headings of columns, the first of which has none
-        return [""] * (len(parts) > 1 and text.startswith(" " * 8)) + parts
+        return [[""] * (len(parts) > 1 and text.startswith(" " * 8)) + parts]
 
     def turn(self, heading):
         """Turn a table with a heading of names and a row of each fabric; whether this is one."""
@@ -225,7 +230,8 @@ class _Reader:
 
     def name_of(self, cells):
         """(Name of a row or None, [(role of the column, cell)] of what follows it)."""
-        columns = self.columns if self.mark or len(self.columns) == len(cells) else []
+        fits = len(cells) == len(self.columns) or (self.mark and len(cells) > 2)
+        columns = self.columns if fits else []
         pairs = list(zip([*columns, *[""] * len(cells)], cells))
         places = [place for place, (role, _) in enumerate(pairs) if role == "name"]
         for place in places or range(min(2, len(cells))):

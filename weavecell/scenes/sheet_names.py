@@ -114,6 +114,8 @@ def find(text: str) -> Name | None:
     """Return the Name that a text is; None if a word of it is not known."""
     folded = PATTERNS["under_pressure"].sub(" ", fold(text))
     folded = re.sub(r"\bw x f\b", "warp x weft", folded)
+    for begin in ("kette", "schuss", "gewebe"):  # "Kettfadenzahl" is Kette Fadenzahl
+        folded = PATTERNS[f"begins_{begin}"].sub(f"{begin} ", folded)
     if DESCRIPTION in _TITLES.get(" ".join(_words(folded)), ()):
         return Name((DESCRIPTION,), folded)
     if not folded or len(folded) > 90 or not AROUND["other"].isdisjoint(_words(folded)):
@@ -125,7 +127,12 @@ def find(text: str) -> Name | None:
         found = unit(re.sub(rf"[, ]*\b(?:{'|'.join(bound)})\b", "", inside) if bound else inside)
         written = written or found
         more += bound if found else [word for word in _words(inside) if not word.isdigit()]
-    plain = re.sub(r"[\[(][^\])]*[\])]", " ", folded).strip(" :")
+    plain = re.sub(r"[\[(][^\])]*[\])]", " ", folded).strip(" :.")
+    plain, comma, last = plain.rpartition(",")
+    if last.strip() in AROUND["least"] | AROUND["most"]:
+        more.append(last.strip())
+    else:
+        plain += comma + last
     parts = (plain, *re.split(r"\s/\s|\s\|\s", plain))
     return next((name for part in parts if (name := _find_one(part, written, more))), None)
 
