@@ -241,10 +241,11 @@ def is_own_table(path: FilePath) -> bool:
         lines = [line for line in read_text(path).splitlines() if line.strip(' ,;\t"')]
     except OSError:
         return True
-    headings = [
-        line for line in lines if re.match(r"[#\s\"]*key[\s\"]*[,;\t]", line, re.IGNORECASE)
-    ]
-    return bool(headings) or not lines
+    for line in lines:
+        first, *others = re.split(r"[,;\t]", line)
+        if first.strip('# "').lower() == "key" and others:
+            return sheet_names.column(others[0]) != "value"
+    return not lines
 
 
 def _is_idealised(rows, path, problems):

@@ -24,10 +24,10 @@ from fabrics.families import list_families
 from weavecell.scenes import sheet_names
 from weavecell.scenes.missing_values import BREAKING, Value
 from weavecell.scenes.sheet_cells import (
-    ROUNDED,
     Unclear,
     UnknownWords,
     clean,
+    differ,
     read_cells,
     read_number,
     read_yarns,
@@ -211,11 +211,8 @@ class _Reader:
         elif only or (not name.keys and not has_number):  # the heading of a section
             kinds = [kind for kind in FAMILIES if name and name.families == (kind,)]
             kinds += [kind for kind in ("yarn", "fabric") if sheet_names.has_word(kind, text)]
-            self.section, self.pending, line.why = (
-                "".join(kinds[:1]),
-                name if only else above,
-                A_HEADING,
-            )
+            self.section, line.why = "".join(kinds[:1]), A_HEADING
+            self.pending = name if only else above
         elif not name.keys:
             self.pending = above
             above = above or Name(("count", "linear_density"))
@@ -279,12 +276,7 @@ class _Reader:
                 self.put_weave(line, text)
             else:
                 self.texts += [(text, line, 0)] * ("linear_density" in name.keys)
-                self.put(line, name, *self.understand(line, name, given))
-        except UnknownWords as why:
-            line.why = str(why)
-            if "linear_density" in name.keys and len(yarns := read_yarns(text)) == 1:
-                line.why = ""  # "Kevlar KM2 600 denier"
-                self.put(line, name, "linear_density", {"": yarns.pop()})
+                self.put(line, name, *self.understand(line, name, given, text))
         except Unclear as why:
             line.why = str(why)
 
@@ -303,8 +295,18 @@ class _Reader:
             others = [(role, cell) for role, cell in others if role not in ("least", "most")]
         return others
 
-    def understand(self, line, name, given):
-        """(key, {family or "": Reading}) of the cells of a row."""
+    def understand(self, line, name, given, text):
+        """(key, {family or "": Reading}) of the cells of a row, which are a text."""
+        try:
+            return self.understand_numbers(line, name, given)
+        except UnknownWords:  # "Kevlar KM2 600 denier"
+            yarns = read_yarns(text) if "linear_density" in name.keys else set()
+            if len(yarns) != 1:
+                raise
+            return "linear_density", {"": yarns.pop()}
+
+    def understand_numbers(self, line, name, given):
+        """The same of cells in which nothing but numbers, units and families stands."""
         units, cells = [name.unit], []
         bounds = {name.bound, *(role for role, _ in given)}
         of_both = {*FAMILIES} <= bounds
@@ -362,7 +364,7 @@ class _Reader:
         here = self.found.setdefault(key, {})
         for family, (text, number) in readings.items():
             first, other, above = here.setdefault(family, (text, number, line))
-            if abs(number / other - 1) > ROUNDED:
+            if differ(number, other):
                 why = f"lines {above.number} and {line.number} disagree: {first} and {text}"
                 self.clashes[key] = why
                 raise Unclear(why)

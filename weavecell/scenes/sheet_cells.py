@@ -54,6 +54,11 @@ def clean(text: str) -> str:
     return " ".join(PATTERNS["nothing"].sub(" ", text).split()).strip(" -:")
 
 
+def differ(one: float, other: float) -> bool:
+    """Tell whether two numbers are unlike by more than their rounding in two units."""
+    return abs(one - other) > ROUNDED * max(one, other)
+
+
 def read_number(key: str, written: str, unit: str) -> Reading | None:
     """Read a number with a unit of a key; None if it is out of bounds, or may be two by its comma."""
     fits = []
@@ -109,7 +114,7 @@ def read_cells(
             raise Unclear(f"may be {key} or {other}")
         for family, (written, number) in found.items():
             own = first.get(family) or first.get("") or next(iter(first.values()))
-            if abs(number / own[1] - 1) > ROUNDED:
+            if differ(number, own[1]):
                 raise Unclear(f"its numbers disagree: {own[0]} and {written}")
     return key, first, " ".join(words)
 

@@ -137,6 +137,15 @@ def test_a_linear_density_is_that_of_one_yarn(line, text, tmp_path):
     assert read(path).get("linear_density") == (None if text is None else (text, text))
 
 
+def test_lines_that_disagree_are_both_left(tmp_path):
+    path = tmp_path / "own.txt"
+    path.write_text(
+        "Yarn: Kevlar 600 denier\nYarn: Kevlar 930 dtex\nCrimp: 0 %\nThickness: 0.3 mm\n"
+    )
+    assert set(read(path)) == {"crimp", "thickness", "family"}
+    assert "lines 1 and 2 disagree" in printed_sheet.read(path).lines[0].why
+
+
 @pytest.mark.parametrize(
     "line, warp, weft",
     [
