@@ -94,7 +94,6 @@ SYNONYMS = {
         "pullout force",
     ),
     # of data sheets
-    "key": ("property", "characteristic", "parameter"),
     "warp": ("ends",),
     "weft": ("fill", "filling", "picks"),
 }
@@ -535,14 +534,14 @@ def _find_heading(lines, wanted):
             for number, text in candidates:
                 if separator not in text and len(wanted.needed) > 1:
                     continue
-                cells = _split((number, text), separator, wanted.path)
+                cells = split_cells((number, text), separator, wanted.path)
                 if wanted.has_all(wanted.columns_of(cells)):
                     rows = [_cells_of(line, separator, wanted.path) for line in plain]
                     return separator, (number, _without_empty_end(cells)), rows
     number, text = (plain or lines)[0]
     # semicolons before commas: where commas are decimal, a heading may have them in its words
     separator = next((mark for mark in separators if mark in text), ",")
-    cells = _split((number, text), separator, wanted.path)
+    cells = split_cells((number, text), separator, wanted.path)
     rows = [_cells_of(line, separator, wanted.path) for line in plain]
     return separator, (number, _without_empty_end(cells)), rows
 
@@ -550,11 +549,16 @@ def _find_heading(lines, wanted):
 def _cells_of(line, separator, path):
     """(number, cells) of a line."""
     number, _ = line
-    return number, _split(line, separator, path)
+    return number, split_cells(line, separator, path)
 
 
-def _split(entry, separator, path):
-    """Cells of a line, without the blanks around them."""
+def split_cells(entry: tuple[int, str], separator: str, path: FilePath) -> list[str]:
+    """Return the cells of a line (its number, its text), without the blanks around them.
+
+    Raises
+    ------
+    InputError : a quotation mark that is not closed
+    """
     number, line = entry
     try:
         (cells,) = csv.reader([line + "\n"], delimiter=separator, skipinitialspace=True)

@@ -512,8 +512,8 @@ def new_fabric(
     Parameters
     ----------
     file : the .toml file to write; never over one that exists
-    values : CSV file of values: columns key, warp, weft, source, status; else the terminal asks for
-        them
+    values : CSV file with the columns key, warp, weft, source, status, or a data sheet as its maker prints it
+        (text, CSV), of which what is understood is taken; else the terminal asks for the values
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
     frame_side : side of the picture frame [m], needed if the file gives its force
@@ -537,7 +537,7 @@ def new_fabric(
     >>> wc.fabric("mine.toml").name
     'mine'
     """
-    from weavecell.scenes import fabric_file
+    from weavecell.scenes import fabric_file, printed_draft
 
     path = _new_toml(file)
     if family is not None:
@@ -551,12 +551,14 @@ def new_fabric(
     fitted: tuple[str, ...] = ()
     if yarn_curve is not None:
         fitted = fabric_file.OF_YARN_CURVE
-    idealised = False
-    if values is None:
-        entered = _ask_values(family, fitted)
+    told: list[str] = []
+    printed = values is not None and not fabric_file.is_own_table(values)
+    if values is not None and printed:
+        draft, *told = printed_draft.read_draft(values, path.stem, family)
+    elif values is not None:
+        draft = fabric_file.read_draft(values, path.stem, family, fitted)
     else:
-        entered, idealised = fabric_file.read_values(values, family, fitted)
-    draft = fabric_file.Draft(path.stem, entered, file=values, family=family, idealised=idealised)
+        draft = fabric_file.Draft(path.stem, _ask_values(family, fitted), family=family)
     draft, fits = fabric_file.with_curves(
         draft,
         yarn=yarn_curve,
@@ -565,9 +567,14 @@ def new_fabric(
         bias=bias_extension,
         strip=strip,
     )
-    fabric = draft.write(path)
-    stands_in = [value.line(key) for key, value in draft.values.items() if value.stands_in]
-    for line in (*fits, *stands_in, *fabric_file.left_open(fabric, path)):
+    if printed:
+        told += [*fits, *printed_draft.write_draft(draft, path, fitted)]
+    else:
+        fabric = draft.write(path)
+        told += fits
+        told += [value.line(key) for key, value in draft.values.items() if value.stands_in]
+        told += fabric_file.left_open(fabric, path)
+    for line in told:
         logging.getLogger("weavecell").info(line)
 
 

@@ -126,7 +126,7 @@ class SavedResult(Result):
         """The table of its shots, a row each; without rows of a result that has none."""
         from pandas import DataFrame
 
-        return self.tables.get("shots", DataFrame())
+        return self.tables.get("shots.csv", DataFrame())
 
     @property
     def kind(self) -> str:  # type: ignore[override]

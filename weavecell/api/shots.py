@@ -64,6 +64,7 @@ from weavecell.results.left_out import (
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from shellfabric.cell.model import CellTable
     from shellfabric.impact.result import ImpactResult
@@ -470,7 +471,7 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "doubts", "assumed", "draws", "left_out"),
+    *("checks_text", "doubtful", "doubts", "assumed", "draws", "shots", "left_out"),
     "wall_time",
 )
 

@@ -1,7 +1,7 @@
 """Fabric files made from data-sheet values: `weavecell fabrics new`.
 
-The values come from prompts or from a CSV file with the columns key, warp, weft and, if wanted,
-source and status:
+The values come from prompts, from a data sheet as its maker prints it (`weavecell.scenes.printed_draft`), or from
+a CSV file with the columns key, warp, weft and, if wanted, source and status, which is read to the letter:
 
     key, warp, weft, source
     linear_density, 1100 dtex, 1100 dtex, data sheet of the yarn
@@ -17,6 +17,7 @@ strain where strength or tenacity is (`fabrics.data_sheet`). Curves of tests
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from math import degrees
@@ -27,21 +28,19 @@ from fabrics.base import tables
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, nearest, together
-from fabrics.base.files import replace_whole
+from fabrics.base.files import read_text, replace_whole
 from fabrics.base.units import refused, si
 from fabrics.fabric import Fabric
-from fabrics.fabric_tables import OF_FABRIC, OF_YARN
+from fabrics.fabric_tables import OF_FABRIC
 from fabrics.pattern import Pattern
 from weavecell.scenes import curves, sheet_names
-from weavecell.scenes.missing_values import BREAKING, OF_STRIP, Value, complete
+from weavecell.scenes.missing_values import BREAKING, Value, complete
+from weavecell.scenes.sheet_names import ALL, WEAVE
 
 # row of a CSV file, and key of the file that is made of it
 IDEALISED = "idealised"
-# the key of a text, not of a number
-WEAVE = "weave"
 # of both yarns
 REQUIRED = ("linear_density", "fibre_density", "modulus", "failure_strain", "crimp", "count")
-ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
 # key of REQUIRED that may be left out: keys of which one then stands in for it
 INSTEAD = {
     "failure_strain": ("strength", BREAKING, "tenacity"),
@@ -72,6 +71,7 @@ class Draft:
     file : of the values, named in errors in place of the fabric file
     family : of `fabrics.families` that the file names, or None
     idealised : whether numbers beyond the plausible are meant
+    remarks : comments on the sheet that the file is made of
     """
 
     name: str
@@ -80,6 +80,7 @@ class Draft:
     file: FilePath | None = None
     family: str | None = None
     idealised: bool = False
+    remarks: tuple[str, ...] = ()
 
     def fabric(self) -> Fabric:
         """Build the Fabric of these values.
@@ -113,6 +114,7 @@ class Draft:
         lines = [
             "# Made by `weavecell fabrics new`. Tables that are not given, [shear] and [solid], are assumed by fibre",
             "# family, with a range; [compression] comes from `weavecell calibrate`.",
+            *(f"# {remark}" for remark in self.remarks),
             f"name = {_quote(self.name)}",
         ]
         lines += [] if self.family is None else [f"family = {_quote(self.family)}"]
@@ -195,7 +197,7 @@ def read_values(
     problems: list[InputError] = []
     tried: set[str] = set()
     lines: dict[str, str] = {}
-    rows = list(sheet_names.named(table.rows(), (*ALL, IDEALISED), _has_unit, path))
+    rows = list(sheet_names.named(table.rows(), (*ALL, IDEALISED), path))
     idealised = _is_idealised(rows, path, problems)
     for line, cells in rows:
         key = cells["key"]
@@ -227,9 +229,23 @@ def read_values(
     return values, idealised
 
 
-def _has_unit(key, unit):
-    """Whether the values of a key may have a unit."""
-    return key in ALL and ALL[key].takes(f"1 {unit}")
+def read_draft(path: FilePath, name: str, family: str | None, fitted: Collection[str]) -> Draft:
+    """Return the draft of a CSV file, whose arguments are those of `read_values`."""
+    values, idealised = read_values(path, family, fitted)
+    return Draft(name, values, file=path, family=family, idealised=idealised)
+
+
+def is_own_table(path: FilePath) -> bool:
+    """Tell whether a file has the heading of this project, key, warp, weft, and is read to the letter."""
+    try:
+        lines = [line for line in read_text(path).splitlines() if line.strip(' ,;\t"')]
+    except OSError:
+        return True
+    for line in lines:
+        first, *others = re.split(r"[,;\t]", line)
+        if first.strip('# "').lower() == "key" and others:
+            return sheet_names.column(others[0]) != "value"
+    return not lines
 
 
 def _is_idealised(rows, path, problems):
@@ -335,6 +351,11 @@ def with_curves(
     if yarn is not None:
         fit = curves.yarn_tension(yarn)
         values = dict(draft.values)
+        for key in ("linear_density", "fibre_density"):
+            if key not in values:
+                raise InputError(
+                    "is missing, which the curve of a yarn needs", file=draft.file, key=key
+                )
         of_fibres = []
         for family in ("warp", "weft"):
             fibre_density = si(getattr(values["fibre_density"], family), "kg/m^3")

@@ -1,157 +1,247 @@
-"""What makers of fabrics call the rows of a data sheet.
+"""What makers of fabrics call the rows of a data sheet, and the units in which they write numbers.
 
-A row of a table of values is read in any case, with the unit behind its name as in any heading
-(`fabrics.base.tables`), and under the names that makers use: "Weight [g/m2]" is areal_density. Rows
-that describe a fabric, such as its style, are left out, and the log says so.
+The words are data, in `sheet_names.toml`. A name is read in any case, in several languages, with its unit
+in brackets, behind a solidus, a comma, "in" or by itself: "Weight [g/m2]" is areal_density. Words around
+it say whether it is of the warp or the weft, of the yarn or the fabric; a word that is not known makes it
+no name, so that "Tear strength" or "Weight of the roll" is none.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
-from fabrics.base import tables
 from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
+from fabrics.base.files import read_data
 from fabrics.base.units import NUMBER
+from fabrics.fabric_tables import FAMILIES, OF_FABRIC, OF_YARN
+from fabrics.pattern import Pattern
+from weavecell.scenes.missing_values import BREAKING, OF_STRIP
 
 LOG = logging.getLogger("weavecell")
 Row = tuple[str, dict[str, str]]  # "line 7", its cells by the name of the column
+ALL = OF_YARN | OF_FABRIC | {BREAKING: OF_STRIP}
+WEAVE, DESCRIPTION = "weave", "description"
 
-NAMES = {
-    "linear_density": (
-        "yarn",
-        "yarn count",
-        "yarn size",
-        "yarn titre",
-        "yarn linear density",
-        "titre",
-        "titer",
-        "fineness",
-        "denier",
-        "dtex",
-    ),
-    "fibre_density": ("fiber density", "density of the fibre", "density of the fiber"),
-    "modulus": (
-        "tensile modulus",
-        "young's modulus",
-        "initial modulus",
-        "elastic modulus",
-        "fibre modulus",
-        "fiber modulus",
-        "yarn modulus",
-    ),
-    "failure_strain": (
-        "elongation",
-        "elongation at break",
-        "breaking elongation",
-        "strain at break",
-        "strain to failure",
-        "yarn elongation",
-    ),
-    "strength": ("tensile strength", "yarn strength", "yarn breaking force", "yarn break load"),
-    "tenacity": ("yarn tenacity", "breaking tenacity", "fibre tenacity", "fiber tenacity"),
-    "breaking_strength": (
-        "strip strength",
-        "strip tensile strength",
-        "breaking load",
-        "fabric breaking strength",
-        "fabric tensile strength",
-    ),
-    "crimp": ("yarn crimp", "waviness"),
-    "count": (
-        "ends picks",
-        "ends and picks",
-        "thread count",
-        "threads",
-        "yarns",
-        "fabric count",
-        "construction",
-        "sett",
-        "set",
-    ),
-    "width": ("yarn width",),
-    "areal_density": (
-        "weight",
-        "mass",
-        "fabric weight",
-        "areal weight",
-        "basis weight",
-        "grammage",
-        "mass per unit area",
-        "mass per area",
-    ),
-    "thickness": ("fabric thickness",),
-}
-# of which nothing is computed
-DESCRIPTIONS = (
-    "style",
-    "article",
-    "product",
-    "name",
-    "fibre",
-    "fiber",
-    "material",
-    "yarn type",
-    "finish",
-    "colour",
-    "color",
-    "fabric width",
-    "roll width",
-    "roll length",
+
+def _turned(table):
+    """{word: key} of {key: words}."""
+    return {word: key for key, words in _DATA[table].items() for word in words}
+
+
+_DATA = read_data(Path(__file__).with_suffix(".toml"))
+NAMES: dict[str, list[str]] = _DATA["names"]
+PATTERNS = {name: re.compile(pattern) for name, pattern in _DATA["patterns"].items()}
+AROUND = {role: frozenset(words) for role, words in _DATA["around"].items()}
+_MEANT = frozenset().union(*(AROUND[role] for role in AROUND if role not in ("other", "treated")))
+_SIGNS = str.maketrans(_DATA["signs"])
+_COLUMNS, _UNITS, _WHOLE_UNITS = map(_turned, ("columns", "units", "whole_units"))
+_WEAVES = _turned("weaves")
+_UNIT_PATTERNS = [(re.compile(old), new) for old, new in _DATA["unit_patterns"].items()]
+_UNIT_WORD = "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True)))
+_POWER = r"(?:\^?[23])?"
+_UNIT = re.compile(
+    rf"(?:(?:{_UNIT_WORD}){_POWER})?(?:/ ?(?:(?:5|10|50|100) )?(?:{_UNIT_WORD}){_POWER})?"
+    rf"|(?:(?:{_UNIT_WORD}) )?(?:{_UNIT_WORD})\^?-[123]"
 )
-# of a number if the cell begins with one, else of the name of the yarn
-NAME_OR_NUMBER = ("yarn",)
-WEAVE = "weave", "weave pattern", "pattern", "weave style", "binding"
 
 
-def named(
-    rows: Iterable[Row], keys: Iterable[str], takes: Callable[[str, str], bool], path: FilePath
-) -> Iterator[Row]:
-    """Yield the rows with the key that each is of, and its unit behind its numbers.
+def fold(text: str) -> str:
+    """Write a text in small letters without accents, signs of trade marks and marks of footnotes."""
+    letters = unicodedata.normalize("NFKD", text.replace("10⁶", "10^6").translate(_SIGNS))
+    plain = "".join(char for char in letters if not unicodedata.combining(char)).lower()
+    return " ".join(plain.split())
+
+
+@cache
+def unit(written: str) -> str:
+    """Return the unit of a text as `fabrics.base.units` reads it; "" if it is none of a data sheet."""
+    text = fold(written).strip("[]() .")
+    for pattern, new in _UNIT_PATTERNS:
+        text = pattern.sub(new, text)
+    found = _WHOLE_UNITS.get(text, "")
+    if not found and _UNIT.fullmatch(text):
+        found = re.sub(_UNIT_WORD, lambda word: _UNITS[word[0]], text)
+    found = {"lb": "lbf"}.get(found, found)
+    return found if found and any(key.takes(f"1 {found}") for key in ALL.values()) else ""
+
+
+@dataclass(frozen=True)
+class Name:
+    """What the name of a row says.
+
+    Parameters
+    ----------
+    keys : that it may be of, ("weave",) or ("description",); empty of a name such as "Warp" alone
+    title : by which it is known
+    families : of "warp", "weft", in the order of the name; empty if it says neither
+    unit : behind it, "" without
+    of : "yarn", "fabric", or "" if it does not say
+    bound : "least" or "most" of a bound, else ""
+    """
+
+    keys: tuple[str, ...]
+    title: str = ""
+    families: tuple[str, ...] = ()
+    unit: str = ""
+    of: str = ""
+    bound: str = ""
+
+
+def _words(text):
+    return [word for word in re.split(r"[\s,/&+:;.*()\[\]-]+", text) if word]
+
+
+# {name: keys that it may be of}, the longest first; a width is of the fabric if it does not say of what
+_TITLES: dict[str, tuple[str, ...]] = {
+    key.replace("_", " "): (key,) for key in ALL if key != "width"
+}
+for _key, _names in NAMES.items():
+    for _name in map(" ".join, map(_words, _names)):
+        _TITLES[_name] = tuple(dict.fromkeys((*_TITLES.get(_name, ()), _key)))
+_TITLES = dict(sorted(_TITLES.items(), key=lambda item: -len(item[0])))
+
+
+@cache
+def find(text: str) -> Name | None:
+    """Return the Name that a text is; None if a word of it is not known."""
+    folded = PATTERNS["under_pressure"].sub(" ", fold(text))
+    folded = re.sub(r"\bw x f\b", "warp x weft", folded)
+    for begin in ("kette", "schuss", "gewebe"):  # "Kettfadenzahl" is Kette Fadenzahl
+        folded = PATTERNS[f"begins_{begin}"].sub(f"{begin} ", folded)
+    if DESCRIPTION in _TITLES.get(" ".join(_words(folded)), ()):
+        return Name((DESCRIPTION,), folded)
+    if not folded or len(folded) > 90 or not AROUND["other"].isdisjoint(_words(folded)):
+        return None
+    written = ""
+    more = []
+    for inside in re.findall(r"[\[(]([^\])]*)[\])]", folded):
+        bound = [word for word in _words(inside) if word in AROUND["least"] | AROUND["most"]]
+        found = unit(re.sub(rf"[, ]*\b(?:{'|'.join(bound)})\b", "", inside) if bound else inside)
+        written = written or found
+        more += bound if found else [word for word in _words(inside) if not word.isdigit()]
+    plain = re.sub(r"[\[(][^\])]*[\])]", " ", folded).strip(" :.")
+    plain, comma, last = plain.rpartition(",")
+    if last.strip() in AROUND["least"] | AROUND["most"]:
+        more.append(last.strip())
+    else:
+        plain += comma + last
+    parts = (plain, *re.split(r"\s/\s|\s\|\s", plain))
+    return next((name for part in parts if (name := _find_one(part, written, more))), None)
+
+
+def _find_one(text, written, more):
+    """The Name of a text without brackets, of which `more` are the words and `written` the unit."""
+    if not written:
+        text, written = _without_unit(text)
+    words = _words(re.sub(r"(?<=[a-z])\^\d|\b\d\)$", "", text))  # without marks of footnotes
+    flat = " ".join(words)
+    said = [*words, *more]
+    families = tuple(dict.fromkeys(filter(None, map(family_of, said))))
+    whole = " ".join(word for word in words if word not in AROUND["nothing"])
+    if DESCRIPTION in (*_TITLES.get(flat, ()), *_TITLES.get(whole, ())):
+        return Name((DESCRIPTION,), flat)
+    keys: tuple[str, ...] = ()
+    title, rest = "", said
+    for title, named in _TITLES.items():
+        keys = tuple(key for key in named if key != DESCRIPTION)
+        at = re.search(rf"(?<!\S){re.escape(title)}(?!\S)", flat)
+        if keys and at:
+            rest = [*flat[: at.start()].split(), *flat[at.end() :].split(), *more]
+            break
+        keys = ()
+    if not _MEANT.issuperset(rest) or not (keys or families):
+        return None
+    of = next((kind for kind in ("yarn", "fabric") if not AROUND[kind].isdisjoint(said)), "")
+    if of == "yarn" and keys:  # neither the thickness of a yarn nor its weight is a key
+        keys = tuple(key for key in keys if key not in ("thickness", "areal_density"))
+        if not keys:
+            return None
+    bound = next((kind for kind in ("least", "most") if not AROUND[kind].isdisjoint(rest)), "")
+    return Name(keys, title if keys else "", families, written or unit(flat), of, bound)
+
+
+def _without_unit(text):
+    """(the text before a unit at its end, that unit), or (the text, "")."""
+    for cut in re.finditer(r"\s*(?:[,:/]|\s-\s|\sin\s|\bper\b|(?<=\s)(?=[a-z%\"/]|1 ?/))", text):
+        before, behind = text[: cut.start()].strip(" ,-:"), text[cut.start() :]
+        for tail in (behind, re.sub(r"^\s*(?:[,:/-]|in\s)\s*", "", behind)):
+            # "Ends / Picks per inch" is no unit of ends
+            if before and not family_of(tail.strip(" /").split(" ")[0]) and (found := unit(tail)):
+                return before, found
+    return text, ""
+
+
+def has_word(role: str, text: str) -> bool:
+    """Tell whether a text has a word of a role of `[around]`."""
+    return not AROUND[role].isdisjoint(_words(fold(text)))
+
+
+def has_only(roles: Iterable[str], text: str) -> bool:
+    """Tell whether a text has words of these roles of `[around]` alone."""
+    return frozenset().union(*(AROUND[role] for role in roles)).issuperset(_words(fold(text)))
+
+
+def family_of(word: str) -> str:
+    """Return "warp" or "weft" of a word that is one, else ""."""
+    return next((family for family in FAMILIES if word.strip(".") in AROUND[family]), "")
+
+
+def column(text: str) -> str:
+    """Return what a column of this heading has: "name", "value", "unit", ...; "" if that is not known."""
+    return _COLUMNS.get(" ".join(_words(re.sub(r"[\[(].*?[\])]", " ", fold(text)))), "")
+
+
+def find_weave(text: str) -> str:
+    """Return the name of the weave that a text is, or its one part that is a weave; else ""."""
+    folded = re.sub(r"(?<=\d):(?=\d)", "/", fold(text))
+    found = []
+    for part in (folded, *re.split(r"[,;|]\s*|\s-\s|:\s|[()]", folded)):
+        words = " ".join(_WEAVES.get(word, word) for word in part.strip(" .").split())
+        with suppress(InputError):
+            found.append(Pattern.read(words).name)
+    return found[0] if len(set(found)) == 1 else ""
+
+
+def named(rows: Iterable[Row], keys: Iterable[str], path: FilePath) -> Iterator[Row]:
+    """Yield the rows of a table of warp and weft with the key that each is of, and its unit behind its
+    numbers; a row of no key stays as it is, and one that describes the fabric is left out.
 
     Parameters
     ----------
     rows : with the cells key, warp and, if wanted, others
-    keys : that a row may have as its name; a row of none stays as it is
-    takes : whether (key, unit) go together
+    keys : that a row may have as its name
     """
-    titles = {key.replace("_", " "): key for key in keys}
-    for key, names in NAMES.items():
-        titles |= dict.fromkeys(names, key)
-
-    def goes_with(title, unit):
-        return title in titles and takes(titles[title], tables.plain_unit(unit))
-
+    exact = {key.replace("_", " "): key for key in keys}
     for line, cells in rows:
         written = cells["key"]
-        found = tables.find_name(written, (*titles, *DESCRIPTIONS, *WEAVE), goes_with)
-        if found is None:
-            yield line, dict(cells)
-            continue
-        title, unit = found
-        if title in WEAVE:
+        name = find(written)
+        key = exact.get(fold(written), "")
+        if key or not (name and name.keys) or len(name.families) == 1 or name.bound:
+            yield line, cells | {"key": key or written}
+        elif WEAVE in name.keys:
             if cells["warp"].strip():  # a cell that says nothing states no weave
-                yield line, cells | {"key": "weave"}
-            continue
-        if title in DESCRIPTIONS or _is_name(title, cells["warp"]):
+                yield line, cells | {"key": WEAVE}
+        # a row that may have a number may say the name of the yarn
+        elif DESCRIPTION in name.keys or (
+            name.keys[0] == "linear_density" and cells["warp"].strip()[:1].isalpha()
+        ):
             LOG.info(f"{path}: left out, {line}: {written} {cells['warp']}".rstrip())
-            continue
-        key = titles[title]
-        if title != key.replace("_", " "):
+        else:
+            found = _with_unit(cells, name.unit)
+            key = next((key for key in name.keys if ALL[key].takes(found["warp"])), name.keys[0])
             LOG.info(f"{path}: {line}: {written} is taken for {key}")
-        yield line, _with_unit(cells, tables.plain_unit(unit)) | {"key": key}
-
-
-def _is_name(title, text):
-    """Whether a row that may have a number says the name of the yarn."""
-    return title in NAME_OR_NUMBER and text.strip()[:1].isalpha()
+            yield line, found | {"key": key}
 
 
 def _with_unit(cells: Mapping[str, str], unit: str) -> dict[str, str]:
     """The cells of which numbers alone have the unit that stands behind the name of their row."""
-    changed = dict(cells)
-    for family in ("warp", "weft"):
-        text = changed.get(family, "")
-        if unit and NUMBER.fullmatch(text):
-            changed[family] = f"{text} {unit}"
-    return changed
+    bare = {family for family in FAMILIES if unit and NUMBER.fullmatch(cells.get(family, ""))}
+    return {key: f"{cell} {unit}" if key in bare else cell for key, cell in cells.items()}
