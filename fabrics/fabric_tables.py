@@ -130,7 +130,7 @@ class Quantity:
         written = str(entry.get("value"))
         as_range = range_texts.read(entry.get("value"))
         if as_range is not None:
-            entry = {**entry, **as_range._asdict()}
+            entry = {**entry, **as_range.texts}
         number, unit = self.read(entry.get("value"), idealised=idealised)
         ratios, deviation = None, 0.0
         if "low" in entry or "high" in entry:

@@ -8,7 +8,7 @@ and of fabric files goes through here.
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from fabrics.base.errors import InputError
 from fabrics.base.units import NUMBER
@@ -21,7 +21,8 @@ _FORM = re.compile(
 )
 
 
-class RangeText(NamedTuple):
+@dataclass(frozen=True)
+class RangeText:
     """A range as it is written: value and ends with their unit.
 
     Parameters
@@ -34,6 +35,11 @@ class RangeText(NamedTuple):
     low: str
     high: str
     deviations: float
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """{"value", "low", "high": text}, as a fabric file has them."""
+        return {"value": self.value, "low": self.low, "high": self.high}
 
 
 def read(text: object) -> RangeText | None:

@@ -473,7 +473,7 @@ def _with_range(kind, part, written):
             return handler(value)
         else:
             # of a number a text with a unit is no float
-            ends, deviations = tuple(map(part, found[:3])), found.deviations
+            ends, deviations = tuple(map(part, found.texts.values())), found.deviations
         middle = handler(ends[0])
         try:
             low, high = map(handler, ends[1:])
