@@ -8,6 +8,7 @@ the plies of a pack; the results are the same to the last bit with any number of
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
