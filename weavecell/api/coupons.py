@@ -559,6 +559,7 @@ class CouponResult(Result):
         files.write(folder / "coupon.csv", self.to_csv())
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
         content |= self._what_is_assumed() | {"provenance": stamp}
+        content["answer"] = self.answer.entry()
         json_file.write_summary(folder / "summary.json", content)
         outputs = self.case.scene.run.outputs
         if not outputs or not installed.can_draw():

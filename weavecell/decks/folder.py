@@ -72,12 +72,15 @@ def write(
     json_file.write(out / "summary.json", summary | {"provenance": provenance.stamp(text, fabric)})
     worst = max(card.mismatch.worst for card in deck.cards)
     value = f"the material card errs by {percent(worst)} of the strength at most"
-    doubts = (f"error of the material card above {percent(LIMIT)}",) if worst > LIMIT else ()
+    # red, as what is no result: nothing of the deck itself is doubtful
+    tone = "unstable" if worst > LIMIT else "plain"
     header = page.Section(
         "header", "Header of the deck", details=(("as in the file", "\n".join(deck.header)),)
     )
     report = page.Report(
-        Answer(deck.title, value, doubts), f"Deck for {code.NAME}, not run in it", (error, header)
+        Answer(deck.title, value, outcome=tone),
+        f"Deck for {code.NAME}, not run in it",
+        (error, header),
     )
     page.write(report, out / "report.html")
 
