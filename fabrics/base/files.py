@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from io import BytesIO
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import IO, Any
 
 from fabrics.base.checks import FilePath
@@ -62,6 +62,24 @@ def note_read(path: FilePath) -> None:
 def noted_reads() -> frozenset[Path]:
     """Return the files that were read in the block of `noting_reads`; none outside of one."""
     return frozenset(_read.get() or ())
+
+
+def find_inside(folder: FilePath, name: str) -> Path | None:
+    """Return the path in a folder of a name that a file of the folder gives; None of a name that
+    leads elsewhere.
+
+    Folders are sent from one to another: what they hold may be anyone's. A name is plain, relative
+    and without "..", and no link is on its way.
+    """
+    parts = PurePath(name).parts
+    if not parts or ".." in parts or "\0" in name or PurePath(name).anchor:
+        return None
+    path = Path(folder)
+    for part in parts:
+        path /= part
+        if path.is_symlink():
+            return None
+    return path
 
 
 def refuse_existing(path: FilePath) -> None:

@@ -78,16 +78,13 @@ if TYPE_CHECKING:
     from weavecell.studies.passing import Passing
     from weavecell.studies.window import Window
 
-RANGE = "range"  # folder of the finished shots of the range over what is assumed
-DRAWS = "draws"  # folder of the finished drawn shots, and the name of their table and chapter
-WINDOW = "window"  # folder of the finished shots at other velocities
 SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")
 PANEL = ("panel.pvd", "panel/panel-*.vtu", *SURFACES)
 NAMES = (
     *out_folder.INPUT,
     "histories.h5",
     "summary.json",
-    f"{DRAWS}.csv",
+    f"{out_folder.DRAWS}.csv",
     *PANEL,
     "pictures/*",
     "report.html",
@@ -192,7 +189,7 @@ class ShotPlan(Plan["ShotResult"]):
             result.save(folder)
         for checkpoint in run_folder.list_checkpoints(folder):
             checkpoint.unlink()
-        for name in (WINDOW, RANGE, DRAWS):
+        for name in (out_folder.WINDOW, out_folder.RANGE, out_folder.DRAWS):
             run_cache.RunCache(folder / name).clear()
 
     def give_up(self, running: Running, problem: BaseException) -> None:
@@ -388,7 +385,7 @@ class Shooting:
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
         with (
-            keep_runs(self.folder, True, WINDOW) as runs,
+            keep_runs(self.folder, True, out_folder.WINDOW) as runs,
             progress.bar("Shots at other velocities") as advance,
         ):
 
@@ -440,7 +437,7 @@ def _with_draws(shot, plan, folder):
 
     def compute():
         with (
-            keep_runs(folder, True, DRAWS) as runs,
+            keep_runs(folder, True, out_folder.DRAWS) as runs,
             progress.bar(counted(plan.draws, "drawn shot")) as advance,
         ):
             return passing.fire_draws(
@@ -460,7 +457,7 @@ def _with_range(shot, with_ends, folder):
     from weavecell.studies import assumed_range
 
     say_before_range(str(shot.answer))
-    runs = folder and folder / RANGE
+    runs = folder and folder / out_folder.RANGE
 
     def compute():
         with progress.bar("Range over the assumed laws") as advance:
@@ -843,7 +840,7 @@ class ShotResult(ImpactRecord, Result):
         if self.draws is not None:
             content["draws"] = self.draws.summary()
             table = one_table.frame(one_table.columns(self.draws.shots, "v50"), "v50")
-            files.write(out / f"{DRAWS}.csv", one_table.csv(table))
+            files.write(out / f"{out_folder.DRAWS}.csv", one_table.csv(table))
         content |= (
             {} if self.assumed_range is None else {"assumed_range": self.assumed_range.summary()}
         )

@@ -16,7 +16,7 @@ from weavecell.decks import ls_dyna, mismatch, model, radioss
 from weavecell.decks.homogenised import MATCHES
 from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
-from weavecell.results import json_file, provenance
+from weavecell.results import finding, json_file, provenance
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {
@@ -70,19 +70,15 @@ def write(
     summary = {"code": to, "match": match, "run_in_the_code": False, "error_over_strength": errors}
     json_file.write(out / "summary.json", summary | {"provenance": provenance.stamp(text, fabric)})
     worst = max(card.mismatch.worst for card in deck.cards)
+    doubts = ()
     if worst > LIMIT:
-        tone = "unstable"
-    else:
-        tone = "plain"
-    head = page.Card(
-        "Error of the material card", f"{percent(worst)} of the strength at most", (), tone
-    )
+        doubts = (f"the material card is off by more than {percent(LIMIT)} of the strength",)
+    value = f"error of the material card {percent(worst)} of the strength at most"
+    answer = finding.Answer(deck.title, value, doubts)
     header = page.Section(
         "header", "Header of the deck", details=(("as in the file", "\n".join(deck.header)),)
     )
-    report = page.Report(
-        deck.title, f"Deck for {code.NAME}, not run in it", ((head,),), (error, header)
-    )
+    report = page.Report(answer, f"Deck for {code.NAME}, not run in it", (error, header))
     page.write(report, out / "report.html")
 
 

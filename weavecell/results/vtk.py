@@ -17,7 +17,7 @@ import numpy as np
 from fabrics.base.checks import FilePath, FloatArray, IntArray
 from fabrics.base.errors import InputError
 from fabrics.base.extras import explain_missing
-from fabrics.base.files import replace_whole, write
+from fabrics.base.files import find_inside, read_bytes, replace_whole, write
 
 if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape, TurnedBody
@@ -258,9 +258,12 @@ def read_series(path: FilePath) -> list[tuple[Path, float]]:
 
     path = Path(path)
     try:
-        return [
-            (path.parent / entry.attrib["file"], float(entry.attrib["timestep"]))
-            for entry in ElementTree.parse(path).iter("DataSet")
-        ]
+        found = []
+        for entry in ElementTree.fromstring(read_bytes(path)).iter("DataSet"):
+            file = find_inside(path.parent, entry.attrib["file"])
+            if file is None:
+                raise ValueError(f"it names {entry.attrib['file']!r}, which is not beside it")
+            found.append((file, float(entry.attrib["timestep"])))
+        return found
     except (OSError, ElementTree.ParseError, KeyError, ValueError) as problem:
         raise InputError(f"is not a readable ParaView series ({problem})", file=path) from None
