@@ -11,6 +11,7 @@ any system. Tables of numbers are those of `fabrics.base.tables`.
 from __future__ import annotations
 
 import codecs
+import hashlib
 import os
 import re
 import tempfile
@@ -30,6 +31,9 @@ ROOM = 65536
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 # beginning of the names of files that are not finished; such a name ends as `mkstemp` has it
 UNFINISHED = ".weavecell-"
+# [bytes] of a sealed HDF5 file before its own; they begin with the digest of all that follows it
+SEAL = 512
+_SEALED = b"weavecell sha256 "
 _UNFINISHED = re.compile(r"\.weavecell-.+-[a-z0-9_]{8}(\.[^.]*)?")
 # called as watcher(path, finished file beside it) before each file is renamed to its path
 watchers: list[Callable[[Path, Path], None]] = []
@@ -179,23 +183,43 @@ def _umask():
 
 
 @contextmanager
-def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
+def write_hdf5(
+    path: FilePath, format: str, *, sealed: bool = False, **attributes: Any
+) -> Iterator[Any]:
     """Open an HDF5 file for writing that appears under `path` complete, or not at all; needs h5py.
 
     Parameters
     ----------
     format : kind and version of the file, such as "weavecell impact 3"
+    sealed : whether it begins with a digest of its bytes (`is_sealed`)
     attributes : further attributes of its root
     """
     import h5py
 
     # in memory first: HDF5 ends the process if it cannot write to a disk
     content = BytesIO()
-    with h5py.File(content, "w") as file:
+    with h5py.File(content, "w", userblock_size=SEAL if sealed else 0) as file:
         file.attrs.update(format=format, **attributes)
         yield file
-    with write_whole(path, "wb") as on_disk:
-        on_disk.write(content.getbuffer())
+    with write_whole(path, "wb") as on_disk, content.getbuffer() as written:
+        if sealed:
+            seal = _seal(written)
+            written[: len(seal)] = seal
+        on_disk.write(written)
+
+
+def is_sealed(content: bytes) -> bool | None:
+    """Say whether the bytes of a sealed HDF5 file are those that were written; None of another
+    file."""
+    if not content.startswith(_SEALED):
+        return None
+    return content.startswith(_seal(content))
+
+
+def _seal(content):
+    """The beginning of a sealed file, from the bytes behind it."""
+    length = len(_SEALED) + 2 * hashlib.sha256().digest_size
+    return _SEALED + hashlib.sha256(memoryview(content)[length:]).hexdigest().encode()
 
 
 def parse_toml(text: str) -> dict[str, Any]:
