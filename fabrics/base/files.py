@@ -14,6 +14,7 @@ import codecs
 import hashlib
 import os
 import re
+import stat
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator
@@ -31,6 +32,15 @@ ROOM = 65536
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 # beginning of the names of files that are not finished; such a name ends as `mkstemp` has it
 UNFINISHED = ".weavecell-"
+# {kind of file: most bytes of one that is read}; a file is read whole, and takes several times its
+# size as a table or a body
+MOST = {
+    "text or table": 200_000_000,
+    "STL file": 500_000_000,
+    "mesh file": 2_000_000_000,
+    "HDF5 file": 8_000_000_000,
+}
+_PART = 2**20
 # [bytes] of a sealed HDF5 file before its own; they begin with the digest of all that follows it
 SEAL = 512
 _SEALED = b"weavecell sha256 "
@@ -240,10 +250,38 @@ def read_data(path: FilePath) -> dict[str, Any]:
     return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
-def read_bytes(path: FilePath) -> bytes:
-    """Return the bytes of a user's file."""
+def read_bytes(path: FilePath, kind: str = "text or table") -> bytes:
+    """Return the bytes of a user's file, of a kind of `MOST`.
+
+    Raises
+    ------
+    InputError : it has more bytes than a file of its kind may have
+    OSError : no such file
+    """
     note_read(path)
-    return Path(path).read_bytes()
+    with open(path, "rb") as file:
+        found = os.fstat(file.fileno())
+        check_size(path, found.st_size, kind)
+        if stat.S_ISREG(found.st_mode):
+            return file.read()
+        # a device, or a pipe, has no size
+        content = bytearray()
+        while part := file.read(_PART):
+            content += part
+            check_size(path, len(content), kind)
+    return bytes(content)
+
+
+def check_size(path: FilePath, size: int, kind: str) -> None:
+    """Refuse a file that has more than the bytes `size` of a file of a kind of `MOST`.
+
+    Raises
+    ------
+    InputError
+    """
+    if size > MOST[kind]:
+        most = f"{1e-6 * MOST[kind]:,.0f} MB at most, as a {kind}"
+        raise InputError(f"has {1e-6 * size:,.0f} MB; must have {most}", file=path)
 
 
 def read_text(path: FilePath) -> str:
@@ -251,7 +289,7 @@ def read_text(path: FilePath) -> str:
 
     Raises
     ------
-    InputError : neither UTF-8 nor UTF-16
+    InputError : neither UTF-8 nor UTF-16, or too large
     OSError : no such file
     """
     content = read_bytes(path)

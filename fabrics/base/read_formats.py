@@ -13,7 +13,9 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, WeavecellError
-from fabrics.base.files import is_sealed, note_read, read_bytes
+from fabrics.base.files import check_size, is_sealed, note_read, read_bytes
+
+OF_HDF5 = "HDF5 file"
 
 
 @contextmanager
@@ -30,8 +32,8 @@ def read_hdf5(
 
     Raises
     ------
-    InputError : no such file, not HDF5, another format, without an entry that the block reads, or
-        changed since it was sealed
+    InputError : no such file, not HDF5, another format, with more numbers than its kind may have,
+        without an entry that the block reads, or changed since it was sealed
     """
     import h5py
 
@@ -40,7 +42,7 @@ def read_hdf5(
         content: Any = path
         whole: bool | None = True
         if sealed:
-            taken = read_bytes(path)
+            taken = read_bytes(path, OF_HDF5)
             whole = is_sealed(taken)
             content = BytesIO(taken)
         if whole is False:
@@ -52,6 +54,9 @@ def read_hdf5(
                 raise InputError(
                     file=path, key="format", value=stated, allowed=" or ".join(map(repr, formats))
                 )
+            sizes: list[int] = []
+            file.visititems(lambda _, found: sizes.append(getattr(found, "nbytes", 0)))
+            check_size(path, sum(sizes), OF_HDF5)
             if whole is None:
                 raise InputError(f"is not the {what} that was written: it has no digest", file=path)
             yield file

@@ -23,6 +23,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from fabrics.base import files
+from fabrics.base.errors import InputError
 
 NAME = ".weavecell-files"
 # copies of what a run reads: where the run reads that very file, it is left as it is
@@ -56,10 +57,10 @@ class FileList:
         nothing."""
         found = cls()
         try:
-            lines = (folder / NAME).read_text("utf-8", errors="replace").splitlines()
-        except OSError:
+            text = files.read_bytes(folder / NAME).decode(errors="replace")
+        except (OSError, InputError):
             return found
-        for line in lines:
+        for line in text.splitlines():
             entry = _LINE.fullmatch(line)
             found.whole = None
             if entry is not None:

@@ -17,7 +17,7 @@ import numpy as np
 from fabrics.base.checks import FilePath, FloatArray, IntArray
 from fabrics.base.errors import InputError
 from fabrics.base.extras import explain_missing
-from fabrics.base.files import find_inside, read_bytes, replace_whole, write
+from fabrics.base.files import check_size, find_inside, read_bytes, replace_whole, write
 
 if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape, TurnedBody
@@ -245,6 +245,19 @@ def write_series(path: FilePath, times: Mapping[str, float]) -> None:
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
         f"  <Collection>\n{sets}\n  </Collection>\n</VTKFile>\n",
     )
+
+
+def read_grid(path: FilePath) -> Any:
+    """Read a .vtu, or another file of elements that pyvista reads.
+
+    Raises
+    ------
+    InputError : it is too large
+    """
+    import pyvista
+
+    check_size(path, Path(path).stat().st_size, "mesh file")
+    return pyvista.read(path)
 
 
 def read_series(path: FilePath) -> list[tuple[Path, float]]:
