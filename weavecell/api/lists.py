@@ -14,7 +14,7 @@ from fabrics import assumed, catalogue, data_sheet
 from fabrics import backings as backing_data
 from fabrics import metals as metal_data
 from fabrics import projectiles as projectile_data
-from fabrics.base import files
+from fabrics.base import door, files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, placed, unknown_name
 from fabrics.base.extras import explain_missing
@@ -512,8 +512,8 @@ def new_fabric(
     Parameters
     ----------
     file : the .toml file to write; never over one that exists
-    values : CSV file of values: columns key, warp, weft, source, status; else the terminal asks for
-        them
+    values : CSV file of values: columns key, warp, weft, source, status; without it the command
+        asks for them, and Python refuses
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
     frame_side : side of the picture frame [m], needed if the file gives its force
@@ -553,6 +553,9 @@ def new_fabric(
         fitted = fabric_file.OF_YARN_CURVE
     idealised = False
     if values is None:
+        if not door.in_terminal():
+            allowed = "a CSV file of values; the command alone asks for them"
+            raise InputError("is missing", key="values", allowed=allowed)
         entered = _ask_values(family, fitted)
     else:
         entered, idealised = fabric_file.read_values(values, family, fitted)
