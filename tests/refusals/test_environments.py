@@ -128,9 +128,10 @@ def test_a_user_without_a_home_is_served(tmp_path, home):
     path.write_text(impact_scene())
     for folder in (path, *path.parents[:3]):
         folder.chmod(0o755)
+    tmp_path.chmod(0o777)
     user = ["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups"]
     before = ["env", "-u", "NUMBA_CACHE_DIR", "-u", "WEAVECELL_CACHE_DIR", *home, *user]
-    code, err = run("impact", path, "--check", before=before)
+    code, err = run("impact", path, "--check", "--out", tmp_path / "o", before=before)
     assert code == 0, err
     assert "Traceback" not in err
 
