@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+# an option of the command line with its number, if it has one
+_OPTION = re.compile(r"--([a-z][a-z0-9-]*)(?: (\d+))?")
 _OF_TERMINAL: ContextVar[bool] = ContextVar("of_terminal", default=False)
 
 
@@ -37,3 +40,13 @@ def option(name: str, value: str = "True") -> str:
     if value:
         return f"{name}={value}"
     return name
+
+
+def name_options(text: str) -> str:
+    """Name the options of a text, such as "--draws 16; --uncertainty", as the user would write them.
+
+    A text that is kept in a file has them as the command line does, and is read through either door.
+    """
+    if _OF_TERMINAL.get():
+        return text
+    return _OPTION.sub(lambda found: option(found[1].replace("-", "_"), found[2] or "True"), text)

@@ -103,6 +103,8 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     crossovers : yarns.model.YarnZone of yarns that are resolved about the nose; None pins all crossovers
     instead : YarnZone of yarns that are resolved if friction may not hold pinned ones;
         what cannot choose refuses it (`target`)
+    pinned : whether `crossovers` is None because pinned yarns were asked for: commands resolve those of
+        which nothing is said
     ply_friction : [-] Coulomb's coefficient between plies
     strength : strengths.YarnStrength of yarns that differ in strength; None if they are all alike
     contact : plies.model.PlyContact, numerical parameters of the contact between plies; None takes
@@ -137,6 +139,7 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
     instead: YarnZone | None = None
+    pinned: bool = False
 
     def __post_init__(self):
         if self.lay_up and self.plies != len(self.lay_up):
@@ -548,18 +551,31 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
         """
         if self.instead is not None:
             raise InputError(key="crossovers", value="auto", allowed="pinned or yarns here")
-        pack = self._pack(self.panel(table))
-        if self.crossovers is not None and self.plies > 1:
-            pack = replace(pack, plies=lie_anywhere(pack.plies, self.crossovers.seed))
+        others = [self._share_table(self._cell(*of)) for of in self.materials[1:]]
+        pack = self._pack([self.panel(table), *map(self._make_panel, others)])
         if self.strength is None:
             return pack
         return with_strengths(pack, self.strength)
 
-    def _pack(self, panel):
-        """The plies, of which `panel` is the first, with yarns that are all alike."""
+    def plain_target(self) -> Pack:
+        """Build what the projectile strikes as `plain_panels` does: no table is filled.
+
+        Raises
+        ------
+        InputError : as `target`
+        """
+        return self._pack(self.plain_panels())
+
+    def _pack(self, panels):
+        """The plies, of `panels` of each of `materials`, with yarns that are all alike."""
+        pack = self._stack(panels)
+        if self.crossovers is not None and self.plies > 1:
+            pack = replace(pack, plies=lie_anywhere(pack.plies, self.crossovers.seed))
+        return pack
+
+    def _stack(self, panels):
+        """The plies, each behind the other."""
         if self.lay_up:
-            others = [self._share_table(self._cell(*of)) for of in self.materials[1:]]
-            panels = [panel, *map(self._make_panel, others)]
             numbers = [self.materials.index((ply.fabric, ply.laws)) for ply in self.lay_up]
             return Pack.laid_up(
                 [(panels[number], ply.angle) for number, ply in zip(numbers, self.lay_up)],
@@ -568,7 +584,7 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
                 friction=self.ply_friction,
             )
         return Pack.stacked(
-            panel,
+            panels[0],
             self.plies,
             stacking=self.stacking,
             gap=self.ply_gap,

@@ -8,6 +8,7 @@ the plies of a pack; the results are the same to the last bit with any number of
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -523,7 +524,7 @@ class PackSolver(ExplicitSolver):
     def look(self) -> int:
         """Tell whether only cut-out fabric is left ahead of the nose, and none before a block, see
         ExplicitSolver. The kernels ask by a clock of their own: samples do not move the end of a run."""
-        clear = passed
+        clear: Callable[..., bool] = passed
         if any(part.meets_nose for part, _ in self._all_parts()):
             clear = nothing_ahead
         if all(clear(state, const) for _, const, state in self.plies):

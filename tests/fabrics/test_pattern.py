@@ -426,11 +426,12 @@ def test_the_check_of_a_patch_refuses_what_its_solid_yarns_do(zone, own):
 
 
 @pytest.mark.parametrize("point", [{}, {"impact_point": ("0 mm", "0 mm")}])
-def test_an_interval_takes_a_pattern_that_no_plane_mirrors(point, own):
+def test_one_run_takes_a_pattern_that_no_plane_mirrors(point, own):
     """Pinned yarns of the same shot would be computed as a quarter."""
     setup = {"opening": "30 mm", "end_time": "8 us", **point}
-    made = wc.impact.plan(own("basket 2x2"), "90 m/s", interval=True, **setup)
-    assert {run.setup.symmetry for run in made.interval.first} == {"whole"}
+    made = wc.impact.plan(own("basket 2x2"), "90 m/s", **setup).target.setup
+    assert made.crossovers is not None
+    assert made.symmetry == "whole"
 
 
 def test_a_page_shows_the_cell_of_crossings_of_several_kinds_by_their_mean(own, monkeypatch):

@@ -96,4 +96,4 @@ def set_up(table):
 @cache
 def fired(name):
     """The ShotResult of a run of `weavecell impact`, by the Python interface."""
-    return wc.sweep([set_up(SCENES[RUNS[name]["scene"]])])[0]
+    return wc.impact(set_up(SCENES[RUNS[name]["scene"]]))

@@ -15,7 +15,7 @@ MODULES = (
     "block",
     "drawn",
     "holding",
-    "intervals",
+    "places",
     "laws",
     "models",
     "patches",
@@ -59,8 +59,8 @@ def _module(name):
             from validation.cases import drawn as module
         case "holding":
             from validation.cases import holding as module
-        case "intervals":
-            from validation.cases import intervals as module
+        case "places":
+            from validation.cases import places as module
         case "laws":
             from validation.cases import laws as module
         case "models":

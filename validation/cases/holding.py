@@ -7,9 +7,18 @@ from math import nan, sqrt
 from typing import Any
 
 from fabrics.base.errors import UndecidedError
-from validation.cases import impact, intervals
+from validation.cases import impact
+from validation.cases.places import find_doubts
 from validation.values import Values
 from weavecell.studies import places, sweep
+
+# {name: [spacings] from the middle crossover along warp and weft}
+PLACES = {
+    "on a crossover": (0.0, 0.0),
+    "in a gap": (0.5, 0.5),
+    "on a warp yarn": (0.5, 0.0),
+    "on a weft yarn": (0.0, 0.5),
+}
 
 
 def bracket(*, place: str, low: float, high: float, share: float = 0.25, **keywords: Any) -> Values:
@@ -18,7 +27,7 @@ def bracket(*, place: str, low: float, high: float, share: float = 0.25, **keywo
 
     Parameters
     ----------
-    place : name of one of `places.NAMED`
+    place : name of one of PLACES
     low, high : [-] frictions between which it is looked for
     share : [-] width of the bracket over its lower end, at most
     keywords : of `impact.setup`
@@ -37,7 +46,7 @@ def bracket(*, place: str, low: float, high: float, share: float = 0.25, **keywo
     pinned = impact.setup(**keywords)
     if sweep.shot(pinned)["outcome"] != "stopped":
         raise UndecidedError("pinned yarns do not stop the nose")
-    struck = places.strike_at(places.resolve(pinned), places.NAMED[place])
+    struck = places.strike_at(places.resolve(pinned), PLACES[place])
     zone = struck.crossovers
     assert zone is not None
     fired: dict[float, Values] = {}
@@ -58,7 +67,7 @@ def bracket(*, place: str, low: float, high: float, share: float = 0.25, **keywo
         else:
             low = middle
     ends = [fired[friction] for friction in (low, high) if friction in fired]
-    doubts = {name for end in ends for name in intervals.find_doubts(end)}
+    doubts = {name for end in ends for name in find_doubts(end)}
     left = nan
     if low in fired:
         left = fired[low]["residual_velocity_m_s"]

@@ -18,11 +18,11 @@ from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from validation.cases import noses
 from validation.values import Values
-from weavecell.api.keywords import Keywords
 from weavecell.decks.homogenised import HomogenisedFabric
 from weavecell.decks.laws import CrimpExchange, Law, UncoupledCurves
 from weavecell.decks.mismatch import Mismatch
-from weavecell.studies import inputs, mesh_uncertainty
+from weavecell.studies import ballistic_limit, inputs, mesh_uncertainty
+from weavecell.studies import v50 as analysis
 
 LAWS: Values = {"curves (FORM 14)": UncoupledCurves, "LAW58": CrimpExchange}
 TABLE = 201
@@ -96,18 +96,39 @@ def assumed(
     return summary
 
 
-def v50(**options: Any) -> Values:
-    """Return the summary of `weavecell.v50`, with the values and intervals of each curve as "LINK
-    QUANTITY"."""
-    of_shot = {key: options.pop(key) for key in [*options] if key in Keywords.__annotations__}
-    setup = noses.with_friction(wc.setup(options.pop("fabric"), "100 m/s", **of_shot))
-    found = wc.v50(setup, **options)
-    curves = {
-        f"{link}_{name}": (getattr(curve, name), *curve.intervals[name])
-        for link, curve in found.study.curves.items()
-        for name in curve.intervals
-    }
-    return found.summary() | curves
+def v50(
+    *,
+    fabric: str,
+    shots: int,
+    seed: int = 1,
+    weibull_shape: float | None = None,
+    modulus_cov: float | None = None,
+    crimp_cov: float | None = None,
+    **keywords: Any,
+) -> Values:
+    """Compute the V50 of drawn shots at pinned yarns, of which nothing but the yarns is drawn, beside the limit
+    without scatter on the same mesh.
+
+    Parameters
+    ----------
+    weibull_shape, modulus_cov, crimp_cov : of the scatter; None is that of weavecell/studies/inputs.toml
+    keywords : of `weavecell.setup`
+
+    Returns
+    -------
+    dict with V10, V50, V90, each with its interval of 90 %, and limit, without scatter [m/s]; doubtful, shots with a
+    doubtful check
+    """
+    own = {"shape": weibull_shape, "modulus": modulus_cov, "crimp": crimp_cov}
+    given = {key: value for key, value in own.items() if value is not None}
+    scatter = replace(inputs.read_scatter(), **given)
+    setup = noses.with_friction(wc.setup(fabric, "100 m/s", **keywords))
+    found = analysis.study(setup, scatter, shots=shots, seed=seed)
+    if found.posterior is None:
+        raise ValueError(f"all {shots} shots end alike: {found.shots}")
+    limit = ballistic_limit.critical_velocity(analysis.as_fired(setup).target(), tolerance=1.0)
+    spans = {name: tuple(span) for name, span in found.posterior.velocities.items()}
+    return spans | {"limit": limit.velocity, "doubtful": found.doubtful}
 
 
 def sobol(*, fabric: str, samples: int, **options: Any) -> Values:

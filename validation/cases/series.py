@@ -1,5 +1,5 @@
-"""How often the interval of a V50, or of a curve of residual velocities, holds the true one: series of shots drawn at
-panels whose V50 and curve are known."""
+"""How often the interval of V50 that `reduce tests` gives, or of a curve of residual velocities, holds the true one:
+series of shots drawn at panels whose V50 and curve are known."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from fabrics.base.checks import FloatArray
 from validation.values import Values
-from weavecell.studies import lambert_jonas, probit, v50
+from weavecell.studies import lambert_jonas, probit
 from weavecell.studies.bracket import Bracket
 from weavecell.studies.limit import RESIDUAL_SHOTS
 
@@ -65,21 +65,6 @@ def _inside(velocity, perforated):
     return low <= V50 <= high, without, high - low
 
 
-def rounds(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
-    """Place shots as `v50` does, about a limit without scatter 2 % below to 10 % above V50."""
-    limit = V50 * random.uniform(0.98, 1.1)
-    velocities: list[float] = []
-    hit: list[bool] = []
-    while len(velocities) < failing.size:
-        count = min(v50.usual_batch(failing.size), failing.size - len(velocities))
-        placed = limit * np.linspace(1 - v50.FIRST, 1 + v50.FIRST, count)
-        if velocities:
-            placed = v50.plan(velocities, hit, count, True)
-        hit += [bool(v > failing[len(velocities) + k]) for k, v in enumerate(placed)]
-        velocities += placed.tolist()
-    return velocities, hit
-
-
 def up_and_down(failing: FloatArray, random: np.random.Generator) -> tuple[list, list]:
     """Place each shot 30 m/s below a perforation and above a stop, 15 m/s once there were both."""
     velocity = V50 + random.uniform(-30, 30)
@@ -112,7 +97,7 @@ def langlie(failing: FloatArray, random: np.random.Generator) -> tuple[list, lis
     return velocities, hit
 
 
-PROTOCOLS = {"rounds, as v50": rounds, "up and down": up_and_down, "Langlie": langlie}
+PROTOCOLS = {"up and down": up_and_down, "Langlie": langlie}
 
 
 def curve_coverage(*, share: float, a: float, p: float, shots: int, series: int) -> Values:

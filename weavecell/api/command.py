@@ -179,6 +179,7 @@ def command(
         @functools.wraps(plan)
         @out_folder.reading
         def called(*arguments: Any, **options: Any) -> Any:
+            entrance.refuse_gone(plan.__name__, options)
             given, options = entrance.take(signature, arguments, options)
             check = options.pop("check", False)
             taken = {key: options.pop(key) for key in own if key in options}

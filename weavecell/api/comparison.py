@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite, nan
+from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
@@ -95,16 +95,15 @@ class ComparisonPlan(Plan["ComparisonResult"]):
         return StudySize.add_up(self.title, ("A", "B"), [plan.forecast() for plan in self.plans])
 
     def run(self, running: Running) -> ComparisonResult:
-        """Fire at both, B from the limit of A on."""
+        """Fire at both."""
         stride = max(panel.setup.plies for panel in (self.a, self.b))
         with running.count(self.title) as part:
             found: list[V50Result] = []
             for number, plan in enumerate(self.plans):
-                guess = found[0].v50 if found and isfinite(found[0].v50) else None
                 # their problems name the file
                 with plan.target.name_problems():
                     report = part(number, 2)
-                    found.append(plan.fire(running, report, stride=stride, guess=guess))
+                    found.append(plan.fire(running, report, stride=stride))
         return running.save(ComparisonResult(*found))
 
 
@@ -211,16 +210,17 @@ def compare(
     >>> found.verdict
     'not decided'
     """
-    from weavecell.studies import inputs, strengths
+    from weavecell.studies import inputs, strengths, v50
 
     if isinstance(target, Result) or isinstance(other, Result):
         return _plan_computed(target, other, {"shots": shots, "seed": seed, **options})
     _, count, first = quantities.read_search(None, shots, seed, usual=(None, 16))
-    panels = [panel.resolved() for panel in _resolve(target, other, options)]
-    for panel in panels:
+    a, b = (panel.resolved() for panel in _resolve(target, other, options))
+    for panel in (a, b):
         with panel.name_problems():
-            strengths.check(panel.setup, inputs.read_scatter())
-    return ComparisonPlan(*panels, count, first)
+            fired = v50.as_fired(panel.setup)
+            strengths.check_places(fired, inputs.read_scatter(), first, count)
+    return ComparisonPlan(a, b, count, first)
 
 
 def _resolve(target, other, keywords):
@@ -306,12 +306,10 @@ class ComparisonResult(OfTwoPanels):
         from weavecell.studies import drawn, paired
 
         fewest = min(len(one.study.shots) for one in (self.a, self.b))
-        found = [one.study.posterior for one in (self.a, self.b)]
-        for name, posterior in zip("AB", found):
-            if posterior is None:
-                reason = f"all shots at {name} end alike"
-                return paired.Difference(nan, -inf, inf, fewest, drawn.CONFIDENCE, reason)
-        of_a, of_b = found
+        of_a, of_b = (one.study.posterior for one in (self.a, self.b))
+        if of_a is None or of_b is None:
+            reason = f"all shots at {'A' if of_a is None else 'B'} end alike"
+            return paired.Difference(nan, -inf, inf, fewest, drawn.CONFIDENCE, reason)
         return paired.Difference(*drawn.subtract(of_a, of_b), fewest, drawn.CONFIDENCE)
 
     @property

@@ -89,8 +89,8 @@ class Keywords(TypedDict, total=False):
         "1/2"], [20, 1], [inf, 2]]
     crossovers : whether warp and weft are pinned to each other where they cross, or are resolved
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
-        auto takes them pinned where their friction is known to hold them, else resolved (a shot, a
-        limit, a V50); one of "pinned", "yarns", "auto"
+        auto, as a command does where nothing is said, resolves them if a zone of them fits (a shot,
+        a limit, a V50); one of "pinned", "yarns", "auto"
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"

@@ -372,9 +372,8 @@ class CriticalVelocityResult(StudyResult):
         found = (*say_nominal(self.target.setup, "v50"), *super().left_out)
         if self.scan is not None or self.v50 is not None:
             return found
-        way = option("scan")
-        text = f"few outcomes beside the bracket were computed; {way} looks for mixed ones about it"
-        return (*found, LeftOut(SAMPLING, "mixed outcomes", text, way))
+        text = f"few outcomes beside the bracket were computed; {option('scan')} looks for mixed ones about it"
+        return (*found, LeftOut(SAMPLING, "mixed outcomes", text, "--scan"))
 
     @property
     def critical_velocity(self) -> float | None:

@@ -149,7 +149,7 @@ class RunSize(_Size):
     model : line on the cheapest model that was enough in a scene like this one (`model_choice`)
     said : what is shot at, taken for granted and chosen, as the report has it
     of_bullet : lines on a pack that a bullet of metal strikes: CPU time of its flight, and its mesh
-    beside : size of the other runs of an answer over what nobody knows; None without one
+    beside : size of the drawn shots beside it; None without any
 
     Examples
     --------
@@ -274,22 +274,10 @@ class RunSize(_Size):
 
 
 def _say_beside(size):
-    """Lines on the runs that follow the first one of an answer over what nobody knows."""
+    """The line on the drawn shots beside a shot, if there are any."""
     if size is None:
         return []
-    shots = counted(size.shots, "shot")
-    lines = [
-        f"answer over what nobody knows: about {shots} more; {size.cost}",
-        *_say_more(size.more),
-    ]
-    return [*lines, f"described here is the first run: {size.after}"]
-
-
-def _say_more(size):
-    """The line on the runs that follow if the first ones do not agree, if there are any."""
-    if size is None:
-        return []
-    return [f"if these do not agree, about {counted(size.shots, 'shot')} more; {size.cost}"]
+    return [f"beside it {counted(size.shots, 'drawn shot')}; {size.cost}"]
 
 
 def forecast_flight(setup: ImpactSetup) -> float:
@@ -383,9 +371,6 @@ class StudySize(_Size):
     cpu_time : (lowest, highest) [s]
     of_range : shots that the range over what is assumed adds, with those of its searches
     foreseen, said : of RunSize, of its shots
-    more : size of the runs that follow if these do not agree; None if none do
-    beside : of RunSize
-    after : name of the run that these follow, which the lines describe; "" if they follow none
 
     Examples
     --------
@@ -401,9 +386,6 @@ class StudySize(_Size):
     of_range: int = 0
     foreseen: tuple[str, ...] = ()
     said: Wording = NOTHING
-    more: StudySize | None = None
-    beside: StudySize | None = None
-    after: str = ""
 
     @classmethod
     def estimate(
@@ -460,9 +442,6 @@ class StudySize(_Size):
             "foreseen": tuple(foreseen),
             "said": Wording.merge(names, [size.said for size in sizes]),
         }
-        follow = {name: size.more for name, size in zip(names, sizes) if size.more is not None}
-        if follow:
-            told["more"] = cls.add_up(title, [*follow], [*follow.values()])
         return cls(title, shots, searches, (low, high), of_range, **told)
 
     def summary(self) -> dict[str, Any]:
@@ -489,7 +468,6 @@ class StudySize(_Size):
                 f"{own:,} of these shots are the study itself, {self.of_range:,} the range over what is "
                 "assumed, which can be left out"
             )
-        lines += [*_say_more(self.more), *_say_beside(self.beside)]
         lines += self.foreseen
         if self.cpu_time[1] > LONG:
             lines += [GROWTH, f"{option('jobs', '')} and {option('executor', '')} {SPREAD}"]
@@ -508,7 +486,7 @@ def forecast_row(panel: Target, quantity: str, shots: int, width: float | None) 
     from weavecell.studies.limit import usual_tolerance
 
     if quantity == "v50":
-        return StudySize.estimate(v50.as_fired(setup), setup.title, shots, 1, drawn=True, **words)
+        return StudySize.estimate(v50.as_fired(setup), setup.title, shots, drawn=True, **words)
     beside = pack_limit.SHOTS if setup.plies > 1 else LOOKS
     width = width or usual_tolerance(setup.target())
     return StudySize.estimate(setup, setup.title, beside, 1, tolerance=width, **words)

@@ -187,7 +187,8 @@ def v50(
     }
     panel = resolve_target(target, options, "v50", function="v50").resolved()
     with panel.name_problems():
-        strengths.check(panel.setup, scatter)
+        fired = analysis.as_fired(panel.setup)
+        strengths.check_places(fired, scatter, sizes["seed"], shots)
     return V50Plan(panel, scatter, **sizes)
 
 

@@ -37,7 +37,7 @@ import numpy as np
 from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
-from fabrics.base.door import in_terminal, option
+from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
 from fabrics.base.frozen import explain_frozen
@@ -209,7 +209,7 @@ def impact(
     velocity: float | str | None = None,
     *,
     draws: int = 0,
-    seed: int = 1,
+    seed: int | None = None,
     assumed_range: bool | Literal["laws"] = False,
     uncertainty: bool = False,
     check: bool = False,
@@ -235,7 +235,7 @@ def impact(
     velocity : of a fabric, [m/s] of the strike
     draws : fire so many drawn shots beside it, as `v50` draws them, for the share that perforates with its
         interval of 90 %, and residual velocity and deflection that 1, 5 and 9 in 10 keep below
-    seed : of all that is drawn
+    seed : of all that is drawn, 1 if not given; refused without `draws`
     assumed_range : of one ply, repeat the shot with the ends of all that is assumed of fabric and
         set-up; without this option a command does so if a law or the crimp is assumed; in Python
         "laws" does. Refused of a pack and with [accuracy], which take too long for it
@@ -270,6 +270,7 @@ def impact(
     panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
     # bad input is told before the solver is loaded
     from weavecell.studies import assumed_range as ranges
+    from weavecell.studies import inputs, strengths, v50
 
     accuracy = None
     if panel.case is not None and panel.case.scene.accuracy is not None:
@@ -288,7 +289,13 @@ def impact(
     if not (accuracy or uncertainty):
         panel = panel.nominal()
     elif count:
-        raise InputError(key="draws", allowed="left out of several meshes")
+        raise InputError(key="draws", value=draws, allowed="left out of several meshes")
+    if count:
+        seed = quantities.read_whole(1 if seed is None else seed, "seed", 0)
+        with panel.name_problems():
+            strengths.check_places(v50.as_fired(panel.setup), inputs.read_scatter(), seed, count)
+    else:
+        quantities.refuse_unused({"seed": seed}, f"without {option('draws', '')}")
     over = ranges.with_ends(panel.setup, assumed_range)
     # a range takes as many shots as ends; of a pack, or on refined meshes, that is too long
     if panel.setup.plies > 1 or accuracy:
@@ -298,7 +305,8 @@ def impact(
         over = None
     if over is None:
         assumed_range = False
-    return ShotPlan(panel, accuracy, uncertainty, over, assumed_range, count, seed, out is not None)
+    written = out is not None
+    return ShotPlan(panel, accuracy, uncertainty, over, assumed_range, count, seed or 1, written)
 
 
 @dataclass(frozen=True)
@@ -421,12 +429,6 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
         assumed=lines,
         **more,
     )
-
-
-def _say_draws():
-    """The option that fires drawn shots, as the user would write it."""
-    said = option("draws", "16")
-    return f"{said} 16" if in_terminal() else said
 
 
 def _with_draws(shot, plan, folder):
@@ -610,7 +612,7 @@ class ShotResult(ImpactRecord, Result):
         )
         if self.draws is not None:
             return leave_out_drawn(found, self.target.setup)
-        return (*say_nominal(self.target.setup, _say_draws()), *found)
+        return (*say_nominal(self.target.setup, "--draws 16"), *found)
 
     @property
     def doubts(self) -> tuple[str, ...]:

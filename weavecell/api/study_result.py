@@ -70,7 +70,9 @@ class StudyResult(DrawnResult):
 
     def _name_shot(self, question):
         """What is asked, and of what."""
-        return f"{self.target.title}, {question}, {self.target.projectile.partition(',')[0]}"
+        # a set-up has no words for its projectile
+        nose = (self.target.projectile or "").partition(",")[0]
+        return ", ".join(filter(None, (self.target.title, question, nose)))
 
     @property
     def draws_strengths(self) -> bool:

@@ -90,14 +90,6 @@ class Target:
         return own or f"{self.title}, {self.setup.strike_velocity:g} m/s"
 
     @property
-    def is_pinned(self) -> bool:
-        """Whether its input file, or a keyword, asks for pinned yarns."""
-        if self.case is None:
-            return False
-        panel = self.case.scene.panel
-        return panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set
-
-    @property
     def is_placed(self) -> bool:
         """Whether its input says which point is struck."""
         from shellfabric.yarns.model import aim
@@ -111,27 +103,27 @@ class Target:
         """The target of the one run that stands for all draws."""
         from weavecell.studies import unknown
 
-        target = self.resolved()
-        return replace(target, setup=unknown.choose_nominal(target.setup, self.is_placed))
+        return self._resolve(lambda setup: unknown.choose_nominal(setup, self.is_placed))
 
     def resolved(self) -> Target:
         """The target with resolved yarns, if its input does not pin them and they can have what it asks for."""
+        return self._resolve(lambda setup: setup)
+
+    def _resolve(self, finish):
+        """The target whose set-up is what `finish` makes of it with resolved yarns, or else with pinned ones."""
         from shellfabric.impact.run import check_impact
         from weavecell.studies import places
 
-        if (
-            self.is_pinned
-            or self.setup.projectile.body == "metal"
-            or self.setup.surface is not None
-        ):
-            return self
-        setup = places.resolve(self.setup)
+        given = self.setup
+        pinned = replace(self, setup=finish(replace(given, instead=None)))
+        if given.pinned or given.projectile.body == "metal" or given.surface is not None:
+            return pinned
+        setup = finish(places.resolve(given))
         try:
-            # its table is taken from the cache folder, or is kept there for the run
-            check_impact(setup, setup.table(kept=True))
+            check_impact(setup, target=setup.plain_target())
         except InputError:
-            # a mesh of its own, say, which pinned yarns alone read
-            return replace(self, setup=replace(self.setup, instead=None))
+            # a mesh of its own, say, which pinned yarns alone read, or a zone that does not fit the opening
+            return pinned
         return replace(self, setup=setup)
 
     def as_run(self, widened: str) -> Target:

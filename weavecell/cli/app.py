@@ -203,7 +203,7 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     except WeavecellError as problem:
         _fail(str(problem), problem.exit_code)
     except usage_error as problem:
-        _fail(" ".join(problem.format_message().split()), InputError.exit_code)
+        _fail(_explain(problem, words), InputError.exit_code)
     except ModuleNotFoundError as problem:
         _fail(str(extras.MissingPackage(problem.name or str(problem))), 1)
     except OSError as problem:
@@ -230,6 +230,20 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
     if code == INTERRUPTED:
         _fail("interrupted", INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _explain(problem, words):
+    """The line of a problem with options; one of earlier versions says what took its place."""
+    from weavecell.api import entrance
+
+    name = getattr(problem, "option_name", "").removeprefix("--").removeprefix("no-")
+    called = next((word for word in words if word in COMMANDS), "")
+    try:
+        with door.open_terminal():
+            entrance.refuse_gone(called.replace("-", "_"), [name.replace("-", "_")])
+    except InputError as removed:
+        return str(removed)
+    return " ".join(problem.format_message().split())
 
 
 def _fail(line, code):

@@ -97,6 +97,8 @@ def command(
             print(format_for_terminal(result))
         elif isinstance(result, Result) and has_checks and not values.get("check"):
             print(result, flush=True)
+            if "out" in values and type(result).answer is Result.answer:
+                print(f"written to {values['out']}", flush=True)
             if getattr(result, "read_from", None) is not None:
                 print("done before with the same input and code")
             if verbose:

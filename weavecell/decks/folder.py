@@ -16,7 +16,8 @@ from weavecell.decks import ls_dyna, mismatch, model, radioss
 from weavecell.decks.homogenised import MATCHES
 from weavecell.decks.mismatch import LIMIT
 from weavecell.report import page, pictures
-from weavecell.results import finding, json_file, provenance
+from weavecell.results import json_file, provenance
+from weavecell.results.finding import Answer
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
 ROWS = {
@@ -70,15 +71,17 @@ def write(
     summary = {"code": to, "match": match, "run_in_the_code": False, "error_over_strength": errors}
     json_file.write(out / "summary.json", summary | {"provenance": provenance.stamp(text, fabric)})
     worst = max(card.mismatch.worst for card in deck.cards)
-    doubts = ()
-    if worst > LIMIT:
-        doubts = (f"the material card is off by more than {percent(LIMIT)} of the strength",)
-    value = f"error of the material card {percent(worst)} of the strength at most"
-    answer = finding.Answer(deck.title, value, doubts)
+    value = f"the material card errs by {percent(worst)} of the strength at most"
+    # red, as what is no result: nothing of the deck itself is doubtful
+    tone = "unstable" if worst > LIMIT else "plain"
     header = page.Section(
         "header", "Header of the deck", details=(("as in the file", "\n".join(deck.header)),)
     )
-    report = page.Report(answer, f"Deck for {code.NAME}, not run in it", (error, header))
+    report = page.Report(
+        Answer(deck.title, value, outcome=tone),
+        f"Deck for {code.NAME}, not run in it",
+        (error, header),
+    )
     page.write(report, out / "report.html")
 
 

@@ -168,7 +168,7 @@ def draw_passing(pyplot: Any, found: Passing) -> Any:
     known = [FRICTIONS[name] for name in found.unknown][:2]
     hit = np.array([shot.perforated for shot in found.shots])
     left = np.where(hit, [shot.residual for shot in found.shots], 0.0)
-    columns = [[shot.frictions[one.column] for shot in found.shots] for one in known]
+    columns: list[Any] = [[shot.frictions[one.column] for shot in found.shots] for one in known]
     labels = [f"{one.words} [-]" for one in known]
     if not known:
         columns, labels = [[shot.number for shot in found.shots]], ["number of the draw"]

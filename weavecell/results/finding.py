@@ -15,6 +15,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from fabrics.base.door import name_options
+
 if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
@@ -33,7 +35,7 @@ class Mover:
     Parameters
     ----------
     what : in a few words
-    settle : what to measure, give or run
+    settle : what to measure, give or run, with options as the command line names them
     moved : [m/s] by which it alone moves the answer; None if that was not computed
     """
 
@@ -59,7 +61,7 @@ class Answer:
     outcome : "stopped", "perforated" or "unstable", which colours it, or "depends"; "plain" does not
     over : what was run for it
     movers : what moves it, and what it leaves out
-    advice : what to do first
+    advice : what to do first, with options as the command line names them
     near : checks within their limits that come near them
     """
 
@@ -97,7 +99,7 @@ class Answer:
             "moved by": _list(moved, ", "),
             "leaves out": _list([one for one in self.movers if one.moved is None], "; "),
             "doubts": _list(self.doubts, "; ", 2) or _list((CLEAR, *self.near), "; near: ", 2),
-            "next": _list(dict.fromkeys(filter(None, advice)), "; ", 3, ""),
+            "next": name_options(_list(dict.fromkeys(filter(None, advice)), "; ", 3, "")),
         }
         return [(label, words) for label, words in found.items() if words]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.door import option
+from fabrics.base.door import name_options, option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -30,7 +30,7 @@ class LeftOut:
     kind : MESH, SAMPLING, DATA or MODEL
     brief : in a few words
     text : what is left out, and what covers it
-    settle : what to run or to give
+    settle : what to run or to give, with options as the command line names them
     """
 
     kind: str
@@ -77,13 +77,12 @@ def find_left_out(
         friction = around.over_friction_between_yarns
     if around is None and names:
         text = f"the range over what is assumed is not computed ({names}); {option('assumed_range')} does"
-        found.append(LeftOut(DATA, name_some(listed), text, option("assumed_range")))
+        found.append(LeftOut(DATA, name_some(listed), text, "--assumed-range"))
     elif friction:
         found.append(LeftOut(DATA, friction, f"{around.quantity} rests on {friction}"))
     if not mesh_compared:
-        way = option("uncertainty")
-        text = f"the error of the mesh is not computed; {way} of an impact, or docs/accuracy.md"
-        found.append(LeftOut(MESH, "mesh", text, way if one_shot else ""))
+        text = f"the error of the mesh is not computed; {option('uncertainty')} of an impact, or docs/accuracy.md"
+        found.append(LeftOut(MESH, "mesh", text, "--uncertainty" if one_shot else ""))
     if not drawn and setup.strength is None:
         text = "all yarns have one strength; v50 draws them"
         found.append(LeftOut(SAMPLING, "scatter of yarns", text, "v50"))
@@ -91,7 +90,8 @@ def find_left_out(
 
 
 def say_nominal(setup: ImpactSetup, way: str) -> tuple[LeftOut, ...]:
-    """Say that one run stands for what nobody gave, at nominal values, which `way` draws."""
+    """Say that one run stands for what nobody gave, at nominal values, which `way`, as the command
+    line names it, draws."""
     from weavecell.studies import unknown
 
     ranges = unknown.find_unknown(setup)
@@ -100,7 +100,7 @@ def say_nominal(setup: ImpactSetup, way: str) -> tuple[LeftOut, ...]:
     said = unknown.say(ranges)
     if setup.crossovers is not None:
         said = f"{unknown.PLACE}, {said}"
-    text = f"it is at nominal values of what nobody gave: {said}; {way} draws them"
+    text = f"it is at nominal values of what nobody gave: {said}; {name_options(way)} draws them"
     return (LeftOut("what nobody gave", said, text, way),)
 
 

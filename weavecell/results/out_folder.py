@@ -124,6 +124,9 @@ def claim(
     if place in _held:
         _add_names(folder, place, names)
         return
+    # of a study whose folder is held too, and which said whose results go
+    around = [_held[path] for path in place.parents if path in _held]
+    resume = resume or any(one.resume for one in around)
     _check_list(folder, place)
     known = FileList.read(place)
     digests = _judge_inputs(folder, place, known, resume, inputs)
@@ -148,7 +151,7 @@ def claim(
             if path is not None and path.is_dir():
                 files.remove_unfinished(path)
         _add_names(folder, place, names)
-        if resume and (known.inputs or not digests):
+        if around or (resume and (known.inputs or not digests)):
             earlier = None
         else:
             earlier = _name_results(place)

@@ -456,6 +456,7 @@ def setup(case: Case, file: FilePath | None, **others: Any) -> ImpactSetup:
         zone = _build_yarn_zone(panel, fabrics)
         given["crossovers"] = given["instead"] = None
         given["crossovers" if panel.crossovers == "yarns" else "instead"] = zone
+        given["pinned"] = panel.crossovers == "pinned" and "crossovers" in panel.model_fields_set
         # a nose may hit a crossover or the gap between yarns: the seed draws where
         if given["crossovers"] is not None and panel.impact_point is None:
             mirrors = SYMMETRIES[given["symmetry"]]

@@ -343,8 +343,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
     crossovers: Annotated[
         one_of(
             "whether warp and weft are pinned to each other where they cross, or are resolved yarns in a zone about "
-            "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md)); auto "
-            "takes them pinned where their friction is known to hold them, else resolved (a shot, a limit, a V50)",
+            "the nose, which may slip and be pushed aside, and pinned beyond it ([theory](../theory-panel.md)); auto, "
+            "as a command does where nothing is said, resolves them if a zone of them fits (a shot, a limit, a V50)",
             "pinned",
             "yarns",
             "auto",

@@ -71,11 +71,7 @@ def draw_panel(
     frictions = draw_frictions(whole, seed, number)
     for name, value in frictions.items():
         whole = set_value(whole, name, value)
-    if whole.crossovers is not None:
-        zone = replace(whole.crossovers, seed=(seed, number))
-        aim = draw_aim(whole, seed, number)
-        nose = draw_roll(whole.projectile, seed, number)
-        whole = replace(whole, impact_point=aim, projectile=nose, crossovers=zone)
+    whole = _place(whole, seed, number)
     factors = draw_factors(scatter, seed, number * (stride or whole.plies))
     if all(factor == 1 for factor in factors.values()):
         pack = whole.target(whole.table(kept=True))
@@ -87,6 +83,32 @@ def draw_panel(
     warp, weft = (min(float(of[family].min()) for of in drawn_strengths) for family in (0, 1))
     told = {one.column: frictions.get(name) for name, one in FRICTIONS.items()}
     return Drawn(pack, factors, (warp, weft), told)
+
+
+def _place(setup, seed, number):
+    """The set-up with the place, the roll and the lie of the plies of a number, of resolved yarns."""
+    if setup.crossovers is None:
+        return setup
+    zone = replace(setup.crossovers, seed=(seed, number))
+    aim = draw_aim(setup, seed, number)
+    nose = draw_roll(setup.projectile, seed, number)
+    return replace(setup, impact_point=aim, projectile=nose, crossovers=zone)
+
+
+def check_places(setup: ImpactSetup, scatter: Scatter, seed: int, shots: int) -> None:
+    """Refuse a set-up as `check` does, or if one of its drawn panels cannot be built, such as in an opening
+    that leaves no room for the zone of resolved yarns about every drawn place; nothing is run.
+
+    Raises
+    ------
+    InputError
+    """
+    check(setup, scatter)
+    if setup.crossovers is None:
+        return
+    whole = replace(setup, symmetry="whole")
+    for number in range(shots):
+        _place(whole, seed, number).plain_target()
 
 
 def draw_aim(setup: ImpactSetup, seed: int, number: int) -> tuple[float, float]:

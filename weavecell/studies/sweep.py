@@ -59,7 +59,7 @@ def row(
             names = ", ".join(dict.fromkeys(name for shot in study.shots for name in shot.doubtful))
             return {
                 "outcome": "not determined: all outcomes are alike"
-                if study.answer is None
+                if study.posterior is None
                 else "fitted",
                 **study.summary(),
                 "checks": f"doubtful: {names}" if names else OK,

@@ -15,6 +15,7 @@ from fabrics import backings, catalogue, metals, projectiles
 from fabrics.base.errors import InputError
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
+from weavecell.api import entrance
 from weavecell.cli import app, from_signature
 
 
@@ -294,3 +295,20 @@ def test_show_of_a_bullet_in_a_file_says_how_its_mass_differs(command, succeed, 
     code, _, err = command("show mine.toml")
     assert code == 2
     assert err.startswith("error: mine.toml:3: mass = '5 g': must be that of the drawing")
+
+
+GONE = [(name, option) for name, options in entrance.GONE.items() for option in options]
+
+
+@pytest.mark.parametrize("function, option", GONE)
+def test_an_option_of_an_earlier_version_says_what_took_its_place(function, option, command):
+    """At both doors, switched on or off; the function has it no more."""
+    words = entrance.GONE[function][option]
+    assert option not in inspect.signature(getattr(weavecell, function)).parameters
+    named = option.replace("_", "-")
+    others = ["S-728"] if function == "compare" else []
+    for given in (f"--{named}", f"--no-{named}"):
+        said = command(function.replace("_", "-"), "S-720", *others, given)
+        assert said == (2, "", f"error: --{named}: was removed: {words}\n")
+    with pytest.raises(InputError, match=f"{option}: was removed: "):
+        getattr(weavecell, function)("S-720", *others, **{option: True})

@@ -26,7 +26,7 @@ CHAPTERS = [
     "motion",
     "impact",
     "summary",
-    "interval",
+    "v50",
     "mesh",
     "fit",
     "cell",

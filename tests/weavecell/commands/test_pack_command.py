@@ -62,7 +62,7 @@ TITLE = "1 x S-728 + 1 x S-726 at 30 deg + 1 x S-726 at -45 deg"
 
 
 def test_a_pack_says_what_it_is_made_of(pack):
-    assert f"{TITLE}, 200 m/s: in flight" in pack.out
+    assert f"{TITLE}, 200 m/s\nanswer      not decided: " in pack.out
 
 
 @pytest.mark.parametrize(

@@ -154,7 +154,7 @@ def test_a_forecast_says_what_the_report_says():
         "numerics": {"cfl": 0.7},
     }
     size = wc.impact("S-720", "155 m/s", check=True, **options)
-    setup = wc.setup("S-720", "155 m/s", **options)
+    setup = wc.impact.plan("S-720", "155 m/s", **options).target.setup
     rows = chapters_shot.assumptions(setup, ()).tables[0].rows
     assert list(size.assumptions) == [": ".join(one) for one in rows]
     assert "Yarns do not fail." in str(size)
@@ -172,7 +172,7 @@ SMALL = {"opening": "20 mm", "end_time": "10 us", "yarn_failure": True, "numeric
 @pytest.mark.parametrize("study", ["critical_velocity", "v50"])
 def test_the_check_of_a_study_says_what_its_report_says(study):
     size = getattr(wc, study)("S-720", check=True, **SMALL)
-    setup = wc.setup("S-720", 100.0, **SMALL)
+    setup = getattr(wc, study).plan("S-720", **SMALL).target.setup
     drawn = study == "v50"
     if drawn:
         setup = v50.as_fired(setup)
@@ -202,7 +202,8 @@ def test_a_study_says_nothing_of_what_it_passes_over():
 def test_the_check_of_several_set_ups_says_whose_a_choice_is():
     """What all have is said once; twice and thrice the same plies are named, the third row is not like them."""
     over = {"panel.plies": [2, 3, 1], "panel.opening": ["20 mm"]}
-    size = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
+    pinned = {"crossovers": "pinned"}
+    size = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True, **pinned)
     said = dict(size.said.assumptions)
     two, three, one = (f"panel plies {n}, panel opening 20 mm" for n in (2, 3, 1))
     assert said[f"between plies ({two}; {three})"] == "Friction 0.2, assumed 0.15 to 0.25."

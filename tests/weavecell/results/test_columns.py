@@ -144,9 +144,13 @@ def test_the_table_of_a_v50():
     shots = []
     for n in range(3):
         factors = [10.0 * n + k for k in range(1, 4)]
-        one = v50.Shot(
-            n, 90.0 + n, 30.0 + n, n > 1, *factors, (n + 0.1, n + 0.2), (n, -n), {}, 0.01 * n
-        )
+        frictions = {
+            "friction_between_yarns": 0.1 + 0.05 * n,
+            "friction_on_nose": 0.02 + 0.07 * n,
+            "friction_between_plies": None,
+        }
+        of_panel = (n + 0.1, n + 0.2), (n, -n), frictions
+        one = v50.Shot(n, 90.0 + n, 30.0 + n, n > 1, *factors, *of_panel, 0.01 * n)
         shots.append(one)
     found = V50Result(Given(shots=shots), Given(setup=Given(crossovers=1)), 1, 1, 0.0)._columns()
     assert found["number"] == [0, 1, 2]
@@ -160,6 +164,9 @@ def test_the_table_of_a_v50():
         assert found[f"weakest_{name}"] == pytest.approx([n + 0.1 * family for n in range(3)])
     assert found["impact_point_x_m"] == [0, 1, 2]
     assert found["impact_point_y_m"] == [0, -1, -2]
+    assert found["friction_between_yarns"] == pytest.approx([0.1, 0.15, 0.2])
+    assert found["friction_on_nose"] == pytest.approx([0.02, 0.09, 0.16])
+    assert "friction_between_plies" not in found
 
 
 def test_tests_and_computed_shots_stand_in_their_own_rows():

@@ -19,7 +19,6 @@ from shellfabric.membrane import quality
 from tests.scene_text import impact_scene
 from weavecell.api.biaxial_fit import BiaxialFitResult
 from weavecell.api.biaxial_paths import BiaxialResult
-from weavecell.api.comparison import ComparisonResult
 from weavecell.api.execution import Execution
 from weavecell.api.meshes import MeshResult
 from weavecell.api.result import Result
@@ -257,12 +256,6 @@ def test_strains_at_the_largest_energy_are_those_of_the_map():
     energy_map = SimpleNamespace(most=(3.5, 0.021, 0.017))
     given = SimpleNamespace(energy_map=energy_map)
     assert BiaxialResult.strain_at_largest_energy.fget(given) == (0.021, 0.017)
-
-
-def test_what_is_compared_has_its_words():
-    for quantity, words in (("v50", "V50"), ("critical-velocity", "critical velocity")):
-        given = SimpleNamespace(quantity=quantity)
-        assert ComparisonResult.quantity_words.fget(given) == words
 
 
 def test_bars_of_a_mesh_are_counted_by_family():

@@ -30,9 +30,9 @@ def test_a_shot_whose_pinned_yarns_unzip_is_run_again_and_says_so(tmp_path, monk
     found = wc.impact("S-726", "80 m/s", **UNZIPS, out=tmp_path / "r")
     assert found.outcome == "perforated"
     assert found.doubts == ()
-    assert "a zone of 20 mm was too small (" in found.headline()
-    assert "of the cut yarns were outside it" in found.headline()
-    assert "run again with all yarns resolved, 756 crossings in place of 552" in found.headline()
+    assert "a zone of 20 mm was too small (" in found.answer.over
+    assert "of the cut yarns were outside it" in found.answer.over
+    assert "run again with all yarns resolved, 756 crossings in place of 552" in found.answer.over
     assert "Yarns are resolved in the whole panel" in found.summary()["assumptions"]
     # it is the run that a zone of the whole panel asks for
     setup = found.target.setup
@@ -43,7 +43,7 @@ def test_a_shot_whose_pinned_yarns_unzip_is_run_again_and_says_so(tmp_path, monk
     # and is read again as it was run
     loaded = wc.load(tmp_path / "r")
     assert loaded.widened == found.widened
-    assert loaded.headline() == found.headline()
+    assert loaded.answer == found.answer
     assert loaded.target.setup.crossovers.half_width == inf
 
 

@@ -10,6 +10,7 @@ import pytest
 import weavecell as wc
 from fabrics.base import door
 from tests.scene_text import merged, toml
+from weavecell.studies import v50
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning", "ignore::weavecell.DoubtfulResult")
 FLAT = {"mass": "3 g", "diameter": "5.5 mm", "edge_radius": "0.3 mm"}
@@ -79,7 +80,7 @@ def test_a_shot_answers_alike_wherever_it_is_shown(name, succeed, tmp_path, draw
     assert loaded.outcome == content["answer"]["outcome"] == content["outcome"]
     # Python answers as the command does, to the bit
     live = wc.impact(tmp_path / "scene.toml")
-    assert live.answer.value == loaded.answer.value
+    assert live.answer.rows == loaded.answer.rows
     for key in ("residual_velocity_m_s", "max_deflection_m", "energy_error_max"):
         assert live.summary()[key] == content[key] == loaded.summary()[key]
     # a nominal value stays one that nobody gave, which shots draw
@@ -116,3 +117,70 @@ def test_a_study_answers_alike_wherever_it_is_shown(kind, succeed, tmp_path, dra
     name = "compare" if kind == "difference" else kind
     printed = succeed(name, *STUDIES[kind], "--jobs", "1", "--out", "r")
     check_alike(wc.load(tmp_path / "r"), printed, tmp_path / "r", f"{kind}.json")
+
+
+@pytest.mark.parametrize("yarns", ["pinned", "yarns", None])
+def test_yarns_are_resolved_unless_pinned_ones_are_asked_for(yarns):
+    """By an option and by a set-up, of a shot and of a study; the same for the place."""
+    of_panel = {"opening": "30 mm", "crossovers": yarns, "impact_point": ["2 mm", "1 mm"]}
+    setup = wc.setup("S-728", 90.0, **of_panel)
+    for plan in (
+        wc.impact.plan("S-728", 90.0, **of_panel),
+        wc.impact.plan(setup),
+        wc.v50.plan(setup, shots=4),
+        wc.critical_velocity.plan("S-728", **of_panel),
+    ):
+        assert (plan.target.setup.crossovers is None) == (yarns == "pinned")
+        assert plan.target.is_placed
+
+
+def test_drawn_shots_go_on_where_they_were_interrupted(command, tmp_path, drawn_once, monkeypatch):
+    """To the bit, with the shots that had ended; the numbers of the one run are there before."""
+    write(tmp_path / "scene.toml", "sphere")
+    line = "impact scene.toml --draws 4 --seed 3 --no-assumed-range --out"
+    assert command(f"{line} whole")[0] == 0
+    fire, fired = v50.fire, []
+
+    def until(setup, scatter, seed, number, velocity):
+        if len(fired) == 2:
+            raise KeyboardInterrupt
+        fired.append(number)
+        return fire(setup, scatter, seed, number, velocity)
+
+    until.__module__, until.__qualname__ = fire.__module__, fire.__qualname__
+    with monkeypatch.context() as ending:
+        ending.setattr(v50, "fire", until)
+        assert command(f"{line} r")[0] == 130
+    assert "draws" not in json.loads((tmp_path / "r/summary.json").read_text())
+    with monkeypatch.context() as going_on:
+        fired.append(-1)
+        going_on.setattr(v50, "fire", until)
+        assert command(f"{line} r --resume")[0] == 0
+    assert fired == [0, 1, -1, 2, 3]
+    table, whole = ((tmp_path / name / "draws.csv").read_bytes() for name in ("r", "whole"))
+    assert table == whole
+    told, wanted = (wc.load(tmp_path / name).answer for name in ("r", "whole"))
+    assert told == wanted
+
+
+def test_a_loaded_shot_names_options_as_the_door_has_them(tmp_path, drawn_once):
+    """Whichever door it was written through."""
+    write(tmp_path / "scene.toml", "one ply")
+    live = wc.impact(tmp_path / "scene.toml", out=tmp_path / "r")
+    loaded = wc.load(tmp_path / "r")
+    told = [dict(one.answer.rows)["next"] for one in (live, loaded)]
+    assert told[0] == told[1]
+    assert "draws=16; assumed_range=True" in told[0]
+    with door.open_terminal():
+        told = [dict(one.answer.rows)["next"] for one in (live, loaded)]
+    assert told[0] == told[1]
+    assert "--draws 16; --assumed-range" in told[0]
+
+
+@pytest.mark.parametrize("plies, opening, resolved", [(1, 24, True), (2, 40, False), (3, 50, True)])
+def test_the_one_run_is_of_pinned_yarns_where_no_zone_fits(plies, opening, resolved):
+    """About the place that it strikes, which is not that of the input: the grid of a ply of a pack is shifted."""
+    of_panel = {"opening": f"{opening} mm", "plies": plies}
+    setup = wc.impact.plan("S-720", "150 m/s", **of_panel).target.setup
+    assert (setup.crossovers is not None) == resolved
+    assert setup.target(setup.table()).plies

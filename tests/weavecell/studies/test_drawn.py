@@ -6,6 +6,7 @@ import pytest
 from scipy.stats import beta
 
 import weavecell as wc
+from weavecell.results.finding import Answer, Mover
 from weavecell.studies import drawn, passing, strengths, unknown, v50
 from weavecell.studies.drawn import LimitPosterior, Outcomes
 from weavecell.studies.places import ON_WARP, resolve, strike_at
@@ -70,6 +71,15 @@ def test_outcomes_that_are_alike_walk_on(perforated):
     shots = Outcomes(NAMES, np.zeros((2, 2)), np.array([60.0, 90.0]), np.full(2, perforated))
     placed = drawn.place(shots, np.zeros((2, 2)), 100.0)
     assert (placed < 60.0).all() if perforated else (placed > 90.0).all()
+
+
+def test_what_moves_an_answer_most_is_named_first():
+    unlike = Mover("mesh", "--uncertainty"), Mover("place", "", 3.0), Mover("roll", "give it", 8.0)
+    found = Answer("what", "90 m/s", movers=unlike)
+    assert [one.what for one in found.ranked] == ["roll", "place", "mesh"]
+    rows = dict(found.rows)
+    assert (rows["moved by"], rows["leaves out"]) == ("roll 8 m/s, place 3 m/s", "mesh")
+    assert rows["next"] == "give it; uncertainty=True"
 
 
 def test_one_study_less_itself_is_nothing():

@@ -1,0 +1,126 @@
+"""Resolved yarns struck anywhere, with frictions that nobody gave: stops and their doubts, V50 and bisected limits."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Mapping
+from math import sqrt
+from statistics import fmean, stdev
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from scipy.stats import qmc
+
+from validation.cases import impact, noses
+from validation.values import Values
+from weavecell.studies import (
+    assumed_range,
+    ballistic_limit,
+    inputs,
+    places,
+    strengths,
+    sweep,
+    unknown,
+    v50,
+)
+
+# of an indicator in words, "name 0.2 (limit 0.1; remedy); name 3 (...)", the name
+OF_A_DOUBT = re.compile(r"(?:^doubtful: |\); )([a-z][a-z -]*?) -?[\d.]")
+
+
+def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywords: Any) -> Values:
+    """Fire a shot at resolved yarns, of which velocity, place and frictions are a point of a Sobol sequence.
+
+    Parameters
+    ----------
+    number : of the point
+    velocities : (low, high) [m/s]
+    seed : of the sequence
+    keywords : of `impact.setup`
+
+    Returns
+    -------
+    dict with velocity, left [m/s]; u, v [spacings] of the place along warp and weft; yarns, nose, the
+    frictions; outcome; doubts; error [-] of the energy; widened, whether it was run again with all yarns
+    resolved; cpu_s
+    """
+    sequence = qmc.Sobol(5, seed=seed)
+    # it refuses to go on by none
+    if number:
+        sequence.fast_forward(number)
+    share, *place, yarns, nose = map(float, sequence.random()[0])
+    velocity = velocities[0] + share * (velocities[1] - velocities[0])
+    this = places.resolve(impact.setup(velocity=velocity, nose_friction=noses.ASSUMED, **keywords))
+    for (name, (low, high)), drawn in zip(
+        sorted(unknown.find_unknown(this).items()), (yarns, nose)
+    ):
+        this = assumed_range.set_value(this, name, low + drawn * (high - low))
+    # a repeat of plain weave has two crossovers each way
+    u, v = (2 * share - 1 for share in place)
+    this = places.strike_at(this, (u, v))
+    began = time.process_time()
+    row = sweep.shot(this)
+    return {
+        "velocity": velocity,
+        "left": row["residual_velocity_m_s"],
+        "u": u,
+        "v": v,
+        "yarns": this.crossovers.friction,
+        "nose": this.projectile.friction,
+        "outcome": row["outcome"],
+        "doubts": ", ".join(find_doubts(row)),
+        "error": row["energy_error_max"],
+        "widened": "widened" in row,
+        "cpu_s": time.process_time() - began,
+    }
+
+
+def spread(
+    *, aims: int, shots: int = 20, share: float = 0.04, seed: int = 1, **keywords: Any
+) -> Values:
+    """Compute the V50 of drawn shots beside limits that are bisected of some drawn panels.
+
+    Parameters
+    ----------
+    aims : drawn panels, of places, rolls, frictions and strengths of their own, whose limits are bisected
+    shots : of the V50
+    share : [-] width of the brackets over V50
+    seed : of the shots; the panels of the limits are of the next one
+    keywords : of `impact.setup`; the friction on the nose is the assumed one
+
+    Returns
+    -------
+    dict with v50, low, high, its 90 % interval [m/s]; limits [m/s] of the panels, their mean and its error; off
+    [%] of v50 from the mean; doubtful, shots of the V50 with a doubtful check; cpu_s
+    """
+    this = places.resolve(impact.setup(nose_friction=noses.ASSUMED, **keywords))
+    scatter = inputs.read_scatter()
+    began = time.process_time()
+    with TemporaryDirectory() as folder:
+        found = v50.study(this, scatter, shots=shots, seed=seed, folder=folder)
+    if found.posterior is None:
+        raise ValueError(f"all {shots} shots end alike: {found.shots}")
+    V50, low, high = found.posterior.velocities["V50"]
+    limits = []
+    for number in range(aims):
+        pack = strengths.draw_panel(v50.as_fired(this), scatter, seed + 1, number).pack
+        one = ballistic_limit.critical_velocity(pack, tolerance=share * V50, guess=V50)
+        limits.append(one.velocity)
+    middle = fmean(limits)
+    return {
+        "v50": V50,
+        "low": low,
+        "high": high,
+        "limits": sorted(limits),
+        "mean": middle,
+        "error": stdev(limits) / sqrt(aims) if aims > 1 else float("nan"),
+        "off": 100 * (V50 / middle - 1),
+        "doubtful": found.doubtful,
+        "cpu_s": time.process_time() - began,
+    }
+
+
+def find_doubts(row: Mapping[str, object]) -> list[str]:
+    """Find the names of the checks beyond their limits of a row of `sweep`."""
+    return OF_A_DOUBT.findall(str(row.get("checks", "")))
