@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from contextlib import suppress
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,9 @@ from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
 _GRAINS = re.compile(r"[0-9] *-?(?:grains?|gr)\b")
+_UNITS = {"g", "mm", "inch", "grain"}
+# a sphere of any diameter is one of steel
+_SPHERE = re.compile(r"sphere +([0-9.]+ *[a-z]+)", re.IGNORECASE)
 # [-] a mass or a diameter that differs by more is of another projectile
 CLOSE = 0.1
 _OF_ANY_NOSE = ("mass", "diameter", "length", "edge_radius")
@@ -69,16 +73,45 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
         return shape, entries
     near = None
     name = known_name(name)
+    ball = _SPHERE.fullmatch(name)
+    if name not in list_names() and ball is not None:
+        with suppress(InputError):
+            return "sphere", _sphere(ball[1])
     if name not in list_names():
         near = _nearest_by_value(name)
     data: dict[str, Any] = dict(TABLES.entry(name, file=file, key=key, near=near))
     return data.pop("shape"), data
 
 
+def _sphere(diameter):
+    """The data of a sphere of steel of a diameter, a text with its unit.
+
+    Raises
+    ------
+    InputError : it is no length
+    """
+    mass = density() * pi / 6 * si(diameter, "m") ** 3
+    return {
+        "mass": {
+            "value": f"{1e3 * mass:.4g} g",
+            "source": "diameter, and density of steel",
+            "status": "derived",
+        },
+        "diameter": {"value": diameter, "source": "the name", "status": "nominal"},
+    }
+
+
 def known_name(name: str) -> str:
-    """Return the name of the projectile that a name in grain means, such as "FSP 17 grain": the one
-    of that kind whose mass is so within its tolerance. Any other name is returned as it is."""
-    if name in list_names() or not _GRAINS.search(name):
+    """Return the name of the projectile that a name means: the only one that has its words and
+    numbers, such as "9 mm FMJ"; of one in grain, such as "FSP 17 grain", the one of that kind whose
+    mass is so within its tolerance. Any other name is returned as it is."""
+    if name in list_names():
+        return name
+    words, numbers = _parts(name)
+    alike = [other for other in list_names() if _has(other, words, numbers)]
+    if words and len(alike) == 1:
+        return alike[0]
+    if not _GRAINS.search(name):
         return name
     near = _nearest_by_value(name)
     if near is None or "mass_tolerance" not in TABLES.content["projectile"][near]:
@@ -88,6 +121,20 @@ def known_name(name: str) -> str:
     if _differences(name)[near] > tolerance:
         return name
     return near
+
+
+def _parts(name):
+    """The words of a name, and its numbers with their units, in small letters."""
+    numbers = re.findall(r"([0-9]*\.?[0-9]+) *([a-z]*)", name.lower())
+    words = set(re.findall(r"[a-z]+", name.lower())) - _UNITS
+    return words, [(float(number), unit if unit in _UNITS else "") for number, unit in numbers]
+
+
+def _has(name, words, numbers):
+    """Whether a name has all of some words and numbers, of which a unit may be left out."""
+    there, amounts = _parts(name)
+    known = {*amounts, *((number, "") for number, _ in amounts)}
+    return words <= there and known.issuperset(numbers)
 
 
 def _nearest_by_value(name):

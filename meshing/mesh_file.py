@@ -54,7 +54,7 @@ class MeshFile:
         InputError : it cannot be read
         """
         try:
-            return cls(Path(path).name, files.read_bytes(path))
+            return cls(Path(path).name, files.read_bytes(path, "mesh file"))
         except OSError as problem:
             line = f"a mesh file that can be read ({problem.strerror})"
             raise InputError(key="mesh", value=str(path), allowed=line) from None

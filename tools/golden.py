@@ -271,6 +271,8 @@ if __name__ == "__main__":
     parser.add_argument("--check", action="store_true", help="compare, and write nothing")
     parser.add_argument("names", nargs="*", default=CASES, metavar="NAME")
     arguments = parser.parse_args()
+    if unknown := [name for name in arguments.names if name not in CASES]:
+        parser.error(f"unknown: {', '.join(unknown)}; NAME is one of {', '.join(CASES)}")
     changed = 0
     for case in arguments.names:
         if not arguments.check:

@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from fabrics.base.values import is_same
+
 _NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 # what a message quotes or explains in brackets stays as it is
 _ASIDE = re.compile(r"(\"[^\"]*\"|'[^']*'|\([^)]*\))")
@@ -71,7 +73,7 @@ def in_unit_of(value: Any, text: str) -> str:
 
 def is_alike(written: Any, value: Any) -> bool:
     """Tell whether what is written may be the value, a number in SI units or the same text."""
-    if written == value:
+    if is_same(written, value):
         return True
     if not isinstance(value, (int, float)) or isinstance(value, bool):
         return False

@@ -241,7 +241,11 @@ def _shown(value):
     """A value in an error: six digits of a number, as a converted unit has noise in the last."""
     if type(value) is float:
         return repr(float(f"{value:.6g}"))
-    return _shorten(repr(value))
+    try:
+        return _shorten(repr(value))
+    # an object of the user's
+    except Exception:
+        return f"a {type(value).__name__}"
 
 
 def _shorten(text):

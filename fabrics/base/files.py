@@ -11,15 +11,17 @@ any system. Tables of numbers are those of `fabrics.base.tables`.
 from __future__ import annotations
 
 import codecs
+import hashlib
 import os
 import re
+import stat
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from io import BytesIO
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import IO, Any
 
 from fabrics.base.checks import FilePath
@@ -30,6 +32,18 @@ ROOM = 65536
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 # beginning of the names of files that are not finished; such a name ends as `mkstemp` has it
 UNFINISHED = ".weavecell-"
+# {kind of file: most bytes of one that is read}; a file is read whole, and takes several times its
+# size as a table or a body
+MOST = {
+    "text or table": 200_000_000,
+    "STL file": 500_000_000,
+    "mesh file": 2_000_000_000,
+    "HDF5 file": 8_000_000_000,
+}
+_PART = 2**20
+# [bytes] of a sealed HDF5 file before its own; they begin with the digest of all that follows it
+SEAL = 512
+_SEALED = b"weavecell sha256 "
 _UNFINISHED = re.compile(r"\.weavecell-.+-[a-z0-9_]{8}(\.[^.]*)?")
 # called as watcher(path, finished file beside it) before each file is renamed to its path
 watchers: list[Callable[[Path, Path], None]] = []
@@ -62,6 +76,24 @@ def note_read(path: FilePath) -> None:
 def noted_reads() -> frozenset[Path]:
     """Return the files that were read in the block of `noting_reads`; none outside of one."""
     return frozenset(_read.get() or ())
+
+
+def find_inside(folder: FilePath, name: str) -> Path | None:
+    """Return the path in a folder of a name that a file of the folder gives; None of a name that
+    leads elsewhere.
+
+    Folders are sent from one to another: what they hold may be anyone's. A name is plain, relative
+    and without "..", and no link is on its way.
+    """
+    parts = PurePath(name).parts
+    if not parts or ".." in parts or "\0" in name or PurePath(name).anchor:
+        return None
+    path = Path(folder)
+    for part in parts:
+        path /= part
+        if path.is_symlink():
+            return None
+    return path
 
 
 def refuse_existing(path: FilePath) -> None:
@@ -161,23 +193,43 @@ def _umask():
 
 
 @contextmanager
-def write_hdf5(path: FilePath, format: str, **attributes: Any) -> Iterator[Any]:
+def write_hdf5(
+    path: FilePath, format: str, *, sealed: bool = False, **attributes: Any
+) -> Iterator[Any]:
     """Open an HDF5 file for writing that appears under `path` complete, or not at all; needs h5py.
 
     Parameters
     ----------
     format : kind and version of the file, such as "weavecell impact 3"
+    sealed : whether it begins with a digest of its bytes (`is_sealed`)
     attributes : further attributes of its root
     """
     import h5py
 
     # in memory first: HDF5 ends the process if it cannot write to a disk
     content = BytesIO()
-    with h5py.File(content, "w") as file:
+    with h5py.File(content, "w", userblock_size=SEAL if sealed else 0) as file:
         file.attrs.update(format=format, **attributes)
         yield file
-    with write_whole(path, "wb") as on_disk:
-        on_disk.write(content.getbuffer())
+    with write_whole(path, "wb") as on_disk, content.getbuffer() as written:
+        if sealed:
+            seal = _seal(written)
+            written[: len(seal)] = seal
+        on_disk.write(written)
+
+
+def is_sealed(content: bytes) -> bool | None:
+    """Say whether the bytes of a sealed HDF5 file are those that were written; None of another
+    file."""
+    if not content.startswith(_SEALED):
+        return None
+    return content.startswith(_seal(content))
+
+
+def _seal(content):
+    """The beginning of a sealed file, from the bytes behind it."""
+    length = len(_SEALED) + 2 * hashlib.sha256().digest_size
+    return _SEALED + hashlib.sha256(memoryview(content)[length:]).hexdigest().encode()
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -198,10 +250,38 @@ def read_data(path: FilePath) -> dict[str, Any]:
     return tomllib.loads(Path(path).read_text(encoding="utf-8"))
 
 
-def read_bytes(path: FilePath) -> bytes:
-    """Return the bytes of a user's file."""
+def read_bytes(path: FilePath, kind: str = "text or table") -> bytes:
+    """Return the bytes of a user's file, of a kind of `MOST`.
+
+    Raises
+    ------
+    InputError : it has more bytes than a file of its kind may have
+    OSError : no such file
+    """
     note_read(path)
-    return Path(path).read_bytes()
+    with open(path, "rb") as file:
+        found = os.fstat(file.fileno())
+        check_size(path, found.st_size, kind)
+        if stat.S_ISREG(found.st_mode):
+            return file.read()
+        # a device, or a pipe, has no size
+        content = bytearray()
+        while part := file.read(_PART):
+            content += part
+            check_size(path, len(content), kind)
+    return bytes(content)
+
+
+def check_size(path: FilePath, size: int, kind: str) -> None:
+    """Refuse a file that has more than the bytes `size` of a file of a kind of `MOST`.
+
+    Raises
+    ------
+    InputError
+    """
+    if size > MOST[kind]:
+        most = f"{1e-6 * MOST[kind]:,.0f} MB at most, as a {kind}"
+        raise InputError(f"has {1e-6 * size:,.0f} MB; must have {most}", file=path)
 
 
 def read_text(path: FilePath) -> str:
@@ -209,7 +289,7 @@ def read_text(path: FilePath) -> str:
 
     Raises
     ------
-    InputError : neither UTF-8 nor UTF-16
+    InputError : neither UTF-8 nor UTF-16, or too large
     OSError : no such file
     """
     content = read_bytes(path)

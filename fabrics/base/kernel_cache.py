@@ -31,6 +31,7 @@ from pickle import UnpicklingError
 from typing import Any
 
 from fabrics.base.checks import FilePath
+from fabrics.base.errors import InputError
 
 # folder of kernels: what they compute, and how long they are compiled on two free cores
 MODELS = {
@@ -49,6 +50,14 @@ TUPLES = ("unitcell3d", "validation/models")
 ROOT = Path(__file__).parents[2]
 # threads of a kernel that wait for each other sleep: those that spin take the time of other runs
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# {variable of numba's: (values with which no kernel runs, what it may be)}; numba ends with tracebacks
+REFUSED = {
+    "NUMBA_DISABLE_JIT": (re.compile(r"\s*0*[1-9]\d*\s*"), "unset, or 0: kernels are machine code"),
+    "NUMBA_NUM_THREADS": (re.compile(r"\s*(0+|-\d+)\s*"), "unset, or 1 or more"),
+}
+for _name, (_values, _allowed) in REFUSED.items():
+    if _values.fullmatch(os.environ.get(_name, "")):
+        raise InputError(key=_name, value=os.environ[_name], allowed=_allowed)
 # files that no machine code depends on: the decorators import this one, and what the others declare is
 # in the names of the types of rows (`shellfabric.jit.declared`)
 NO_CODE = ("fabrics/base/kernel_cache.py", "fabrics/base/schema.py", "shellfabric/panel_numbers.py")
@@ -78,6 +87,7 @@ OF_V3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave"}
 # LLVM's name of the least processor that portable code is for, by architecture
 COMMON = {"x86_64": "x86-64-v3", "AMD64": "x86-64-v3", "aarch64": "generic", "arm64": "generic"}
 _announced: set[str] = set()  # folders of which the user has been told
+_unkept: list[str] = []  # folders that cannot be written, whose kernels are kept nowhere
 _compiled_with = ""  # what the options of the kernels that are decorated now are called
 # compilations that go on, one inside another; [s] when the outermost began, and what all have taken
 _depth = 0
@@ -104,7 +114,13 @@ def compiling(module: str, done: bool = False) -> None:
     if folder in MODELS and folder not in _announced:
         _announced.add(folder)
         what, duration = MODELS[folder]
-        logging.getLogger("weavecell").warning(f"compiling the kernels of {what}, once: {duration}")
+        often = "once"
+        if _unkept:
+            often = (
+                f"in each run, as {_unkept[-1]} cannot be written (NUMBA_CACHE_DIR chooses another)"
+            )
+        line = f"compiling the kernels of {what}, {often}: {duration}"
+        logging.getLogger("weavecell").warning(line)
 
 
 def seconds_compiled() -> float:
@@ -152,7 +168,8 @@ def kernel_cache(file: FilePath, options: Mapping[str, Any]) -> Iterator[None]:
     locators = config.CACHE_LOCATOR_CLASSES
     folder = Path(before or root / file.relative_to(root).parts[0] / "__pycache__")
     config.CACHE_DIR = str(folder / kernel_folder(file, root))
-    config.CACHE_LOCATOR_CLASSES = f"{__name__}.KernelFolder,{__name__}.UserFolder"
+    places = (KernelFolder, UserFolder, ReadFolder)
+    config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{place.__name__}" for place in places)
     files_of_numba = caching.IndexDataCacheFile
     caching.IndexDataCacheFile = _files()
     _compiled_with = name_options(options)
@@ -217,11 +234,32 @@ class UserFolder:
         """Return numba's place of a function, in which its options have a name too, or None."""
         from numba.core.caching import UserWideCacheLocator
 
+        # of a user without a home numba would make a folder "~" here
+        if not os.path.isabs(os.path.expanduser("~")):
+            return None
         place: Any = UserWideCacheLocator.from_function(function, file)
         if place is not None:
             name = f"{place.get_disambiguator()}-{_compiled_with}"
             place.get_disambiguator = lambda: name
         return place
+
+
+class ReadFolder(KernelFolder):
+    """Tell numba where machine code is found if nothing can be written, as for a user without a home:
+    what the folder of `KernelFolder` has is taken, and what it lacks is compiled and not kept."""
+
+    @classmethod
+    def from_function(cls, function: Any, file: str) -> ReadFolder:
+        """Return the place of a function."""
+        import numba
+
+        config: Any = numba.config
+        place = cls(str(config.CACHE_DIR))
+        _unkept.append(str(Path(place.folder).parent))
+        return place
+
+    def ensure_cache_path(self) -> None:
+        """Do nothing."""
 
 
 def name_options(options: Mapping[str, Any]) -> str:
@@ -237,13 +275,13 @@ def name_options(options: Mapping[str, Any]) -> str:
 
 @cache
 def _files():
-    """Return the class of numba's files of a kernel, changed in three ways.
+    """Return the class of numba's files of a kernel, changed in four ways.
 
     A file that was cut short counts as missing: the kernel is compiled again. Machine code is in a
     file that is named after the types that it is for. numba numbers these files, so that two
     processes which compile for other types at the same time write over each other's code. Where
     there is no code for this very processor, code for all processors of its kind is taken
-    (`tools/compile_kernels.py --portable`).
+    (`tools/compile_kernels.py --portable`). Code that cannot be written is not kept.
     """
     from numba.core import caching
 
@@ -261,20 +299,22 @@ def _files():
         def _load_index(self):
             try:
                 return super()._load_index()
-            except DAMAGED:
+            except (*DAMAGED, PermissionError):
                 return {}
 
         def _load_data(self, name):
             try:
                 return super()._load_data(name)
-            except DAMAGED:
+            except (*DAMAGED, PermissionError):
                 # what numba takes for a kernel that is not there
                 raise FileNotFoundError(name) from None
 
         def save(self, key, data):
             name = self._data_name(int(hashlib.sha256(repr(key).encode()).hexdigest()[:15], 16))
-            self._save_data(name, data)
-            self._save_index(self._load_index() | {key: name})
+            # what cannot be kept, as on a full disk, is compiled again
+            with suppress(OSError):
+                self._save_data(name, data)
+                self._save_index(self._load_index() | {key: name})
 
     return Files
 
@@ -323,7 +363,11 @@ def one_compiler_a_node() -> None:
 
     config: Any = numba.config
     shared = hashlib.sha256(str(config.CACHE_DIR or ROOT).encode()).hexdigest()[:16]
-    path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}-{shared}.lock"
+    try:
+        path = Path(tempfile.gettempdir()) / f"weavecell-compiler-{os.getuid()}-{shared}.lock"
+    except OSError:
+        # no folder for temporary files
+        return
 
     class Lock(event.Listener):
         """Held by one thread of one process while numba holds its own lock, which is that of a

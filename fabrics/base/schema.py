@@ -49,6 +49,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.files import control_character, parse_toml, read_text
 from fabrics.base.units import refused, si
+from fabrics.base.values import is_same
 
 # context of values given in Python, which are not read from a file
 PYTHON = {"python": True}
@@ -752,7 +753,8 @@ def changed(scene: Table, prefix: str = "") -> Iterator[str]:
         ]
         keys_below = [below for part in inner for below in changed(part, f"{key}.")]
         yield from dict.fromkeys(keys_below)
-        differs = entry.is_required() or value != entry.get_default(call_default_factory=True)
+        usual = entry.get_default(call_default_factory=True)
+        differs = entry.is_required() or not is_same(value, usual)
         if not keys_below and differs and not (inner and entry.is_required()):
             yield key
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import sys
 from dataclasses import fields, is_dataclass
 from io import BytesIO
@@ -22,10 +23,13 @@ from zipfile import BadZipFile
 import numpy as np
 
 from fabrics.base.assumed_number import Assumed
+from fabrics.base.files import MOST
 
 PACKAGES = ("fabrics", "meshing", "unitcell3d", "shellfabric", "weavecell", "validation")
 FORMAT = "weavecell result 1"
 SUFFIX = "npz"
+# kind of `files.MOST`
+OF_ARRAYS = "HDF5 file"
 # what the many ways in which a damaged zip file, array or text can be wrong raise
 DAMAGED = (
     ValueError,
@@ -70,7 +74,14 @@ def read(file: IO[bytes]) -> Any:
     UnreadableResult : it is cut, changed, or of another kind
     """
     try:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(0)
+        if size > MOST[OF_ARRAYS]:
+            raise UnreadableResult("it is too large")
         with np.load(BytesIO(file.read()), allow_pickle=False) as members:
+            # `write` packs nothing: no member is larger than it is in the file
+            if sum(member.file_size for member in members.zip.infolist()) > size:
+                raise UnreadableResult("it is too large")
             named = {name: members[name] for name in members.files}
         if bytes(named.pop("sha256")) != _digest(named):
             raise UnreadableResult("its digest is another one")

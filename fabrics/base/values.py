@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import os
+from math import nan
 from numbers import Real
 from pathlib import Path
 from typing import Any
+
+# classes of numpy and pandas of what is missing
+_MISSING = ("NAType", "NaTType", "MaskedConstant")
 
 
 def plain(value: Any) -> Any:
     """Convert a value of a user to what the code knows, inside of lists, tuples and dicts too.
 
     Decimal, Fraction, and scalars of numpy and pandas become int or float, arrays lists, a quantity
-    of pint the text that a file has, any path a Path. Other values stay what they are.
+    of pint the text that a file has, any path a Path. What stands for a missing value, such as
+    pandas.NA, is NaN, which no key takes. Other values stay what they are, as do lists that hold
+    themselves.
 
     Examples
     --------
@@ -23,9 +29,16 @@ def plain(value: Any) -> Any:
     if value is None or isinstance(value, (str, bool, Path)):
         return value
     if type(value) in (dict, list, tuple):
-        return _plain_parts(value)
+        try:
+            return _plain_parts(value)
+        except RecursionError:
+            return str(value)
+    if type(value).__name__ in _MISSING and _is_of(value, "numpy", "pandas"):
+        return nan
     if _is_of(value, "numpy", "pandas") and hasattr(value, "tolist"):
-        return value.tolist()
+        listed = value.tolist()
+        # a datetime that is none
+        return nan if listed is None else listed
     if _is_of(value, "pint") and hasattr(value, "magnitude"):
         return _text_of_pint(value)
     if isinstance(value, os.PathLike):
@@ -34,6 +47,15 @@ def plain(value: Any) -> Any:
     if isinstance(value, Real) or _is_of(value, "decimal"):
         return _number(value)
     return value
+
+
+def is_same(one: Any, other: Any) -> bool:
+    """Say whether two values are equal; values that cannot be compared, as arrays and tables with
+    others, are not."""
+    try:
+        return bool(one == other)
+    except Exception:
+        return False
 
 
 def _plain_parts(value):

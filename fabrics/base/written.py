@@ -19,6 +19,7 @@ from enum import Enum
 from typing import Any
 
 from fabrics.base import amounts
+from fabrics.base.values import is_same
 
 # files, of which a sweep of many fabrics reads more
 KEPT = 64
@@ -218,7 +219,7 @@ def _locate(table, names, value):
     no other: the first that has the key need not be the wrong one."""
     found = [(path, part) for path, part in _walk(table, tuple(names), ()) if part is not None]
     for path, part in found:
-        if value is not None and part == value:
+        if value is not None and is_same(part, value):
             return path, part
     return found[0] if len(found) == 1 else ((), None)
 

@@ -109,6 +109,10 @@ def _build_once(text, path):
 
 def _build(content, path):
     """The Fabric of the table of a file."""
+    of_run = {"panel", "projectile", "run"} & set(content)
+    if of_run or isinstance(content.get("fabric"), dict):
+        allowed = "a fabric; functions that run something take an input file as it is"
+        raise InputError("is an input file of a run", file=path, allowed=allowed)
     context = {"source": path.name, "idealised": content.get("idealised") is True}
     file = validated(FabricFile, content, path, context)
     data = file.data()

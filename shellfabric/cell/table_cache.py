@@ -32,7 +32,10 @@ def folder() -> Path | None:
         if given:
             return Path(given, "tables")
         return None
-    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    root = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    # a user without a home keeps none
+    if not os.path.isabs(root):
+        return None
     return Path(root, "weavecell", "tables")
 
 

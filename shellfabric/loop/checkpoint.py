@@ -3,7 +3,8 @@ Needs h5py.
 
 What is kept of a solver: `loop.driver.ExplicitSolver.checkpoint_arrays`, `checkpoint_records`,
 `counters`, its step history and its snapshots. A checkpoint carries digests
-of all that determines the run and its records, the code among it, and is refused by any other run.
+of all that determines the run and its records, the code among it, and is refused by any other run;
+and one of its own bytes, so that a changed state is refused too.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from shellfabric.loop.snapshots import Snapshot
 if TYPE_CHECKING:
     from shellfabric.loop.driver import ExplicitSolver
 
-FORMAT = "weavecell checkpoint 5"
+FORMAT = "weavecell checkpoint 6"
 MOST_WALL = 30.0  # [s] after which a checkpoint is written wherever the run stands
 LEAST_WALL = 10.0  # [s] between checkpoints of a command: what it saves of a shorter run takes as long to compute again
 
@@ -65,7 +66,7 @@ def stamp(solver: ExplicitSolver) -> dict[str, Any]:
 
 def write(solver: ExplicitSolver, path: FilePath) -> None:
     """Write the state and the records of a solver."""
-    with write_hdf5(path, FORMAT, **stamp(solver)) as file:
+    with write_hdf5(path, FORMAT, sealed=True, **stamp(solver)) as file:
         file.attrs.update({name: getattr(solver, name) for name in solver.counters})
         for name, array in _arrays(solver):
             file[f"arrays/{name}"] = np.array(array)
@@ -84,9 +85,9 @@ def read(solver: ExplicitSolver, path: FilePath) -> None:
 
     Raises
     ------
-    InputError : the file is missing, broken, of another run, or of other code
+    InputError : the file is missing, changed, of another run, or of other code
     """
-    with read_hdf5(path, FORMAT, what="checkpoint") as file:
+    with read_hdf5(path, FORMAT, what="checkpoint", sealed=True) as file:
         run_cache.check_stamp(file.attrs, stamp(solver), path)
         _restore(solver, file)
 

@@ -222,13 +222,16 @@ class YarnPanel(Panel):
             if (high - low) * (1 + mirrored) < least:
                 smallest = 1e3 * 0.5 * (least + 1) * spacing
                 allowed = f"at least {smallest:.3g} mm for this nose, in a larger opening"
-                raise InputError(key="zone", value=self.resolved.width, allowed=allowed)
+                raise self._refuse_zone(allowed)
         if not self.loose()[i0 + 1 : i1, j0 + 1 : j1].all():
-            raise InputError(
-                key="zone",
-                value=self.resolved.width,
-                allowed="smaller: an edge of the opening crosses it",
-            )
+            raise self._refuse_zone("smaller: an edge of the opening crosses it")
+
+    def _refuse_zone(self, allowed):
+        """The InputError of the zone, which the user need not have given."""
+        given = self.resolved.half_width
+        if given is None:
+            allowed = f"{allowed}; without it {1e3 * self.resolved.width:g} mm are taken"
+        return InputError(key="zone", value=given, allowed=allowed)
 
     @property
     def grid_middle(self) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from fabrics import assumed, catalogue, data_sheet
 from fabrics import backings as backing_data
 from fabrics import metals as metal_data
 from fabrics import projectiles as projectile_data
-from fabrics.base import files
+from fabrics.base import door, files
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, placed, unknown_name
 from fabrics.base.extras import explain_missing
@@ -513,7 +513,8 @@ def new_fabric(
     ----------
     file : the .toml file to write; never over one that exists
     values : CSV file with the columns key, warp, weft, source, status, or a data sheet as its maker prints it
-        (text, CSV), of which what is understood is taken; else the terminal asks for the values
+        (text, CSV), of which what is understood is taken; without it the command asks for the values, and
+        Python refuses
     yarn_curve : fit modulus and failure strain to this CSV file: strain and force of a yarn
     picture_frame : fit the trellis law to this CSV file: shear angle, and shear stress or force
     frame_side : side of the picture frame [m], needed if the file gives its force
@@ -553,6 +554,9 @@ def new_fabric(
         fitted = fabric_file.OF_YARN_CURVE
     told: list[str] = []
     printed = values is not None and not fabric_file.is_own_table(values)
+    if values is None and not door.in_terminal():
+        allowed = "a CSV file of values, or a data sheet; the command alone asks for them"
+        raise InputError("is missing", key="values", allowed=allowed)
     if values is not None and printed:
         draft, *told = printed_draft.read_draft(values, path.stem, family)
     elif values is not None:

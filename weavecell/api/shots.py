@@ -77,15 +77,13 @@ if TYPE_CHECKING:
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
     from weavecell.studies.window import Window
 
-DRAWS = "draws"  # folder of the finished drawn shots, and the name of their table and chapter
-WINDOW = "window"  # folder of the finished shots at other velocities
 SURFACES = ("body.pvd", "body/body-*.vtu", "block.pvd", "block/block-*.vtu")
 PANEL = ("panel.pvd", "panel/panel-*.vtu", *SURFACES)
 NAMES = (
     *out_folder.INPUT,
     "histories.h5",
     "summary.json",
-    f"{DRAWS}.csv",
+    f"{out_folder.DRAWS}.csv",
     *PANEL,
     "pictures/*",
     "report.html",
@@ -183,7 +181,7 @@ class ShotPlan(Plan["ShotResult"]):
             result.save(folder)
         for checkpoint in run_folder.list_checkpoints(folder):
             checkpoint.unlink()
-        for name in (WINDOW, DRAWS):
+        for name in (out_folder.WINDOW, out_folder.DRAWS):
             run_cache.RunCache(folder / name).clear()
 
     def give_up(self, running: Running, problem: BaseException) -> None:
@@ -373,7 +371,7 @@ class Shooting:
         if shot.failure is not None or shot.result.outcome != "perforated":
             return shot
         with (
-            keep_runs(self.folder, True, WINDOW) as runs,
+            keep_runs(self.folder, True, out_folder.WINDOW) as runs,
             progress.bar("Shots at other velocities") as advance,
         ):
 
@@ -420,7 +418,7 @@ def _with_draws(shot, plan, folder):
 
     def compute():
         with (
-            keep_runs(folder, True, DRAWS) as runs,
+            keep_runs(folder, True, out_folder.DRAWS) as runs,
             progress.bar(counted(plan.draws, "drawn shot")) as advance,
         ):
             return passing.fire_draws(
@@ -623,7 +621,7 @@ class ShotResult(ImpactRecord, Result):
         if self.draws is not None:
             drawn = self.draws.shots
             return one_table.frame(one_table.columns(drawn, "v50") | list_drawn(drawn), "v50")
-        path = None if self.folder is None else self.folder / f"{DRAWS}.csv"
+        path = None if self.folder is None else self.folder / f"{out_folder.DRAWS}.csv"
         if path is None or not path.is_file():
             return one_table.frame({}, "v50")
         return one_table.read_csv(path, "v50")
@@ -811,7 +809,7 @@ class ShotResult(ImpactRecord, Result):
         content["answer"] = self.answer.entry()
         if self.draws is not None:
             content["draws"] = self.draws.summary()
-            files.write(out / f"{DRAWS}.csv", one_table.csv(self.shots))
+            files.write(out / f"{out_folder.DRAWS}.csv", one_table.csv(self.shots))
         content |= {
             "projectile": words.shot_in_words(projectile),
             "provenance": stamp,

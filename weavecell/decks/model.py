@@ -338,7 +338,7 @@ def build(
     end = setup.end_time
     friction = pack.friction
     return Deck(
-        _ascii(title)[:70],
+        _line(title)[:70],
         header,
         UNITS[units],
         materials,
@@ -406,7 +406,12 @@ def _header(cards, units, share, law, source, code, notes):
 
 def _title(text):
     """A text for a line of a title, without commas, which a reader may take for free format."""
-    return _ascii(text.replace(",", ""))
+    return _line(text.replace(",", ""))
+
+
+def _line(text):
+    """A text that is a line of its own, which no code takes for a keyword, a comment or a parameter."""
+    return _ascii(text).lstrip("*/$#&!, ") or "untitled"
 
 
 def _ascii(text):

@@ -23,6 +23,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from fabrics.base import files
+from fabrics.base.errors import InputError
 
 NAME = ".weavecell-files"
 # copies of what a run reads: where the run reads that very file, it is left as it is
@@ -56,10 +57,10 @@ class FileList:
         nothing."""
         found = cls()
         try:
-            lines = (folder / NAME).read_text("utf-8", errors="replace").splitlines()
-        except OSError:
+            text = files.read_bytes(folder / NAME).decode(errors="replace")
+        except (OSError, InputError):
             return found
-        for line in lines:
+        for line in text.splitlines():
             entry = _LINE.fullmatch(line)
             found.whole = None
             if entry is not None:
@@ -83,20 +84,16 @@ class FileList:
             text += f"{_WHOLE}{self.whole}\n"
         files.write(folder / NAME, text)
 
-    def has(self, name: str, path: Path) -> bool:
-        """Say whether a file is what weavecell wrote under a name."""
-        known = self.digests.get(name)
-        if not known or path.is_symlink() or not path.is_file():
-            return False
-        return digest(path) in known
+    def has(self, folder: Path, name: str) -> bool:
+        """Say whether a file of a folder is what weavecell wrote under its name."""
+        return _digest_inside(folder, name) in self.digests.get(name, ())
 
     def damaged(self, folder: Path, patterns: Iterable[str]) -> list[str]:
         """Return the names of the files with one of these patterns that are missing, or not what
         was written last."""
         wrong = []
         for name, digests in self.digests.items():
-            path = folder / name
-            if matches(name, patterns) and not (path.is_file() and digest(path) == digests[-1]):
+            if matches(name, patterns) and _digest_inside(folder, name) != digests[-1]:
                 wrong.append(name)
         return wrong
 
@@ -127,6 +124,14 @@ def digest(path: Path) -> str:
     """Return the SHA-256 of a file."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _digest_inside(folder, name):
+    """The digest of a file in a folder; None without one, or if its name leads elsewhere."""
+    path = files.find_inside(folder, name)
+    if path is None or not path.is_file():
+        return None
+    return digest(path)
 
 
 def matches(name: str, patterns: Iterable[str]) -> bool:

@@ -49,9 +49,10 @@ def keep_input(folder: Path, text: str, scene: Any, base: Path) -> None:
 
 def _read_with_beside(path: Path) -> dict[str, bytes]:
     """{path from its folder: content} of a file, the first, and of those that it names beside it."""
-    contents = {path.name: read_bytes(path)}
+    # of any kind, and read before
+    contents = {path.name: read_bytes(path, "HDF5 file")}
     for name, beside in kept_files.find_beside(path).items():
-        contents[name] = read_bytes(beside)
+        contents[name] = read_bytes(beside, "HDF5 file")
     return contents
 
 

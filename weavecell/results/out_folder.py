@@ -4,7 +4,8 @@ no result is lost, and nothing is overwritten that weavecell did not write.
 Whoever claims a folder names what will be written there. A file of such a name that this run reads,
 or that is not what weavecell wrote under it by the folder's own list (`results.file_list`), is
 refused before anything is computed; a run that is resumed puts it aside and makes it again.
-The list gets its mark when everything is written.
+The list gets its mark when everything is written. The folder may have come from anyone: nothing is
+written or removed through a link in it, and no name of its list leads out of it.
 
 The lock is a file in the folder, held by flock until the command ends; the system frees it when the
 process dies.
@@ -16,6 +17,7 @@ import atexit
 import errno
 import functools
 import os
+import stat
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -33,6 +35,11 @@ Parameters = ParamSpec("Parameters")
 Returned = TypeVar("Returned")
 
 RUNS = "runs"  # folder of a study, with a file for each run that is done
+# those of what is shot beside a shot: in the range over what is assumed, with drawn panels, and at
+# other velocities
+DRAWS = "draws"
+WINDOW = "window"
+OF_RUNS = (RUNS, DRAWS, WINDOW)
 LOCK = ".weavecell-lock"
 ASIDE = ".found"
 NOT_WRITABLE = "a folder that can be written to ({})"
@@ -138,9 +145,10 @@ def claim(
     _held[place] = Claim(descriptor, made, known, resume=resume)
     try:
         # a name is that of a file or of a folder of files; studies keep their runs besides
-        for within in {"", RUNS, *names, *(str(Path(name).parent) for name in names)}:
-            if "*" not in within and (place / within).is_dir():
-                files.remove_unfinished(place / within)
+        for within in {"", *OF_RUNS, *names, *(str(Path(name).parent) for name in names)}:
+            path = files.find_inside(place, within) if within else place
+            if path is not None and path.is_dir():
+                files.remove_unfinished(path)
         _add_names(folder, place, names)
         if around or (resume and (known.inputs or not digests)):
             earlier = None
@@ -230,9 +238,8 @@ def remove_earlier(folder: Path, names: str) -> None:
     earlier run."""
     listed = FileList.read(folder)
     for name in listed.digests:
-        path = folder / name
-        if file_list.matches(name, [names]) and listed.has(name, path):
-            path.unlink()
+        if file_list.matches(name, [names]) and listed.has(folder, name):
+            (folder / name).unlink()
     with suppress(OSError):
         (folder / names).parent.rmdir()
 
@@ -298,13 +305,19 @@ def _is_locked(path):
 
 
 def _check_list(folder, place):
-    """Refuse a folder whose list can be no list."""
-    listed = place / file_list.NAME
-    good = listed.is_file() and os.access(listed, os.W_OK)
-    if os.path.lexists(listed) and not good:
-        what = f"{file_list.NAME}, the list of what weavecell wrote"
-        allowed = f"another folder: in this one {what}, is no file that can be written to"
-        raise _refuse_folder(folder, allowed)
+    """Refuse a folder whose list can be no list, or whose lock no lock: what is written to them must
+    reach no other file."""
+    of_list = f"{file_list.NAME}, the list of what weavecell wrote,"
+    for name, what in ((file_list.NAME, of_list), (LOCK, LOCK)):
+        path = place / name
+        if not os.path.lexists(path):
+            continue
+        found = path.lstat()
+        # another name of the file may be anywhere
+        alone = stat.S_ISREG(found.st_mode) and found.st_nlink == 1
+        if not alone or not os.access(path, os.W_OK):
+            allowed = f"another folder: in this one {what} is no file that can be written to"
+            raise _refuse_folder(folder, allowed)
 
 
 def _add_names(folder, place, names):
@@ -337,7 +350,7 @@ def _judge_names(folder, place, new, claimed):
             continue
         if path.resolve() in read:
             refused.append(f"{name}, which this run reads")
-        elif not claimed.known.has(name, path) and not run_folder.is_checkpoint(name, path):
+        elif not claimed.known.has(place, name) and not run_folder.is_checkpoint(name, path):
             strange.append(name)
     if strange and not claimed.resume:
         for name in strange:
@@ -352,21 +365,31 @@ def _judge_names(folder, place, new, claimed):
 
 
 def _present(folder, names):
-    """The names of what a folder has under names with wildcards, and of files that stand where a
-    folder of these names will be."""
-    found = {}
+    """The names of what a folder has under names with wildcards, of files and links that stand where
+    a folder of these names will be, and of links for or in a folder of finished runs."""
+    found = []
     for pattern in sorted(names):
-        parts = pattern.split("/")
-        for count in range(1, len(parts)):
-            parent = "/".join(parts[:count])
-            if (folder / parent).exists() and not (folder / parent).is_dir():
-                found[parent] = None
-        for path in sorted(folder.glob(pattern)):
-            found[path.relative_to(folder).as_posix()] = None
-        # a link that leads nowhere is no file for glob
-        if "*" not in pattern and (folder / pattern).is_symlink():
-            found[pattern] = None
-    return list(found)
+        places = [folder]
+        *above, last = pattern.split("/")
+        for part in above:
+            inside = [path for place in places for path in _glob(place, part)]
+            places = [path for path in inside if path.is_dir() and not path.is_symlink()]
+            found += [path for path in inside if path not in places]
+        found += [path for place in places for path in _glob(place, last)]
+    for name in OF_RUNS:
+        inside = [folder / name]
+        if not inside[0].is_symlink():
+            inside += [Path(at, one) for at, ones, _ in os.walk(inside[0]) for one in ones]
+        found += [path for path in inside if path.is_symlink()]
+    return list(dict.fromkeys(path.relative_to(folder).as_posix() for path in found))
+
+
+def _glob(folder, part):
+    """The paths in a folder with a name that may have wildcards, sorted."""
+    # a link that leads nowhere is no file for glob
+    if "*" not in part and (folder / part).is_symlink():
+        return [folder / part]
+    return sorted(folder.glob(part))
 
 
 def _aside(path):
@@ -396,8 +419,9 @@ def _finish(place, key):
     listed = FileList.read(place)
     for name, digests in [*listed.digests.items()]:
         # an input that the user changed where it lay
-        changed = file_list.matches(name, INPUT) and not listed.has(name, place / name)
-        if (place / name).exists() and not changed:
+        changed = file_list.matches(name, INPUT) and not listed.has(place, name)
+        path = files.find_inside(place, name)
+        if path is not None and path.exists() and not changed:
             # the last one, if not the file itself: then the file was changed meanwhile
             listed.digests[name] = digests[-1:]
         else:
@@ -410,7 +434,7 @@ def _lock(path):
     """Descriptor of a file that this process alone has locked; where files cannot be locked, of the
     file."""
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o644)
         try:
             import fcntl
 

@@ -146,6 +146,7 @@ class ResultFolder:
 
         path = self.folder / name
         try:
+            files.check_size(path, path.stat().st_size, "text or table")
             if table:
                 return one_table.read_csv(path, table)
             return read_csv(path, comment="#")
@@ -181,7 +182,7 @@ class ResultFolder:
         """Read the answer that its summary.json says; None of an impact of an older version."""
         if not self.has(SUMMARY):
             return None
-        entry = json.loads((self.folder / SUMMARY).read_text("utf-8")).get("answer")
+        entry = json.loads(read_bytes(self.folder / SUMMARY)).get("answer")
         return Answer.read(entry) if isinstance(entry, dict) else None
 
     def read_histories(self, *names: str) -> dict[str, Any]:

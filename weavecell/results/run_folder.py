@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 # state of a run that has not ended, which the run takes away itself
 CHECKPOINTS = "checkpoint*.h5"
-OF_COUPON = "weavecell coupon checkpoint 3"
+OF_COUPON = "weavecell coupon checkpoint 4"
 _STATE = {"load": "1", "x": "m", "reaction": "N", "history": "N", "residual": "1", "energies": "J"}
 
 
@@ -41,7 +41,7 @@ def is_checkpoint(name: str, path: Path) -> bool:
         return False
     from shellfabric.loop import checkpoint
 
-    with suppress(InputError), read_hdf5(path, checkpoint.FORMAT, OF_COUPON):
+    with suppress(InputError), read_hdf5(path, checkpoint.FORMAT, OF_COUPON, sealed=True):
         return True
     return False
 
@@ -49,7 +49,7 @@ def is_checkpoint(name: str, path: Path) -> bool:
 def write_states(path: FilePath, stamp: Mapping[str, str], states: Sequence[State]) -> None:
     """Keep the states of a run under way; `stamp` (`fabrics.base.run_cache`) is that of its scene
     and of the code."""
-    with write_hdf5(path, OF_COUPON, **stamp) as file:
+    with write_hdf5(path, OF_COUPON, sealed=True, **stamp) as file:
         for number, state in enumerate(states):
             for name, unit in _STATE.items():
                 put(file, f"{number:05d}/{name}", getattr(state, name), unit)
@@ -64,7 +64,7 @@ def read_states(path: FilePath, stamp: Mapping[str, str]) -> list[State]:
     """
     from shellfabric.coupon.dynamic_relaxation import State
 
-    with read_hdf5(path, OF_COUPON) as file:
+    with read_hdf5(path, OF_COUPON, what="checkpoint", sealed=True) as file:
         run_cache.check_stamp(file.attrs, stamp, path, of="input file")
         groups = [{name: group[name][()] for name in _STATE} for _, group in sorted(file.items())]
     states = []

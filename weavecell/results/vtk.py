@@ -17,7 +17,7 @@ import numpy as np
 from fabrics.base.checks import FilePath, FloatArray, IntArray
 from fabrics.base.errors import InputError
 from fabrics.base.extras import explain_missing
-from fabrics.base.files import replace_whole, write
+from fabrics.base.files import check_size, find_inside, read_bytes, replace_whole, write
 
 if TYPE_CHECKING:
     from weavecell.results.impact_shapes import Shape, TurnedBody
@@ -247,6 +247,19 @@ def write_series(path: FilePath, times: Mapping[str, float]) -> None:
     )
 
 
+def read_grid(path: FilePath) -> Any:
+    """Read a .vtu, or another file of elements that pyvista reads.
+
+    Raises
+    ------
+    InputError : it is too large
+    """
+    import pyvista
+
+    check_size(path, Path(path).stat().st_size, "mesh file")
+    return pyvista.read(path)
+
+
 def read_series(path: FilePath) -> list[tuple[Path, float]]:
     """Read the files of a .pvd with their times, as [(path, time [s])].
 
@@ -258,9 +271,12 @@ def read_series(path: FilePath) -> list[tuple[Path, float]]:
 
     path = Path(path)
     try:
-        return [
-            (path.parent / entry.attrib["file"], float(entry.attrib["timestep"]))
-            for entry in ElementTree.parse(path).iter("DataSet")
-        ]
+        found = []
+        for entry in ElementTree.fromstring(read_bytes(path)).iter("DataSet"):
+            file = find_inside(path.parent, entry.attrib["file"])
+            if file is None:
+                raise ValueError(f"it names {entry.attrib['file']!r}, which is not beside it")
+            found.append((file, float(entry.attrib["timestep"])))
+        return found
     except (OSError, ElementTree.ParseError, KeyError, ValueError) as problem:
         raise InputError(f"is not a readable ParaView series ({problem})", file=path) from None

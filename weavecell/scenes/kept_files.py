@@ -16,7 +16,7 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.files import parse_toml, read_text
+from fabrics.base.files import find_inside, parse_toml, read_text
 from fabrics.base.read_formats import read_json
 
 FOLDER = "inputs"
@@ -114,6 +114,10 @@ def read_named(folder: Path) -> dict[str, str]:
     named = copies.get("files")
     if not isinstance(named, dict) or not all(isinstance(name, str) for name in named.values()):
         raise InputError(file=file, key="files", allowed="{text in scene.toml: file in inputs}")
+    place = find_inside(folder, FOLDER)
+    for name in named.values():
+        if place is None or find_inside(place, name) is None:
+            raise InputError(file=file, key="files", value=name, allowed=f"a file in {FOLDER}")
     return {text: f"{FOLDER}/{name}" for text, name in named.items()}
 
 

@@ -120,7 +120,7 @@ def surface(path: FilePath, unit: str) -> Surface:
         size in this unit
     """
     try:
-        digest = hashlib.sha256(files.read_bytes(path)).hexdigest()
+        digest = hashlib.sha256(files.read_bytes(path, "STL file")).hexdigest()
     except OSError as problem:
         raise InputError(
             f"cannot be read; must be an STL file ({problem.strerror})", file=path
@@ -130,7 +130,7 @@ def surface(path: FilePath, unit: str) -> Surface:
 
 @lru_cache(maxsize=4)
 def _surface(path, unit, digest):
-    content = files.read_bytes(path)
+    content = files.read_bytes(path, "STL file")
     mesh = _triangles(content)
     if not len(mesh.faces):
         raise InputError(f"{_why_empty(content)}; must be an STL file, ASCII or binary", file=path)

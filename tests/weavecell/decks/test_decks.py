@@ -46,6 +46,22 @@ def close(found, wanted, of):
     assert abs(found - wanted).max() <= 0.01 * np.max(of)
 
 
+@pytest.mark.parametrize("to", folder.CODES)
+def test_no_title_is_a_line_of_its_own_for_the_code(to):
+    """A title, or a name of a fabric, that begins as a keyword, a comment or a parameter does."""
+    plain = next(iter(text(deck("S-720", to), to).values())).splitlines()
+    fabric = wc.fabric("S-720")
+    for name in (",*INCLUDE\n*END", "/END", " #no"):
+        given = wc.setup(
+            replace(fabric, name=name), "100 m/s", opening="40 mm", elements_per_crossover=1
+        )
+        made = model.build(given, folder.CODES[to], "kg-m-s", "uniaxial", title=name, source=name)
+        lines = next(iter(text(made, to).values())).splitlines()
+        marks = [line for line in lines if line[:1] in "*/"]
+        assert marks == [line for line in plain if line[:1] in "*/"]
+        assert len(lines) == pytest.approx(len(plain), abs=4)  # lines of the head are folded
+
+
 @pytest.mark.parametrize("units", UNITS)
 @pytest.mark.parametrize("to", folder.CODES)
 @pytest.mark.parametrize("fabric", wc.fabrics().index)

@@ -4,6 +4,7 @@ import pytest
 
 import weavecell as wc
 from fabrics import projectiles
+from fabrics.base.errors import InputError
 from fabrics.base.units import si
 
 # of eight sheets, none of which is of a real product: units, marks and headings of all kinds
@@ -136,12 +137,45 @@ def test_spellings_of_one_number(unit):
         ("FSP 20 grain", "FSP 20 grain"),
         ("RCC 16 grain", "RCC 16 grain"),
         ("cube 17 grain", "cube 17 grain"),
+        ("9 mm FMJ", "9 mm FMJ 8.0 g"),
+        ("9mm fmj", "9 mm FMJ 8.0 g"),
+        ("FMJ", "9 mm FMJ 8.0 g"),
+        (".44 Magnum", ".44 Magnum SJHP 15.6 g"),
+        ("magnum 10.2 g", ".357 Magnum JSP 10.2 g"),
+        ("LR", ".22 LR 2.6 g"),
+        ("FSP 1.1 g", "FSP 1.10 g"),
+        ("RCC 16", "RCC 16 grain"),
+        # of several, of another number, of a number alone
+        ("FSP", "FSP"),
+        ("Magnum", "Magnum"),
+        ("8 mm FMJ", "8 mm FMJ"),
+        ("9 mm", "9 mm"),
+        ("sphere 8 mm", "sphere 8 mm"),
     ],
 )
-def test_a_projectile_named_in_grain_is_that_of_its_mass(text, name):
+def test_a_projectile_is_the_only_one_that_a_name_means(text, name):
     assert projectiles.known_name(text) == name
     if name in projectiles.list_names():
         assert projectiles.table(text)["name"] == name
+
+
+def test_every_part_of_a_name_that_one_projectile_has_means_it():
+    for name in projectiles.list_names():
+        words = name.split()
+        for count in range(1, len(words)):
+            part = " ".join(words[:count])
+            found = projectiles.known_name(part)
+            assert found in (part, name) or part in found, (part, found)
+
+
+def test_a_sphere_of_steel_is_named_by_its_diameter():
+    """Its mass is that of the steel of all fragments: 7.103 g at 12 mm, as 8 times that at 6 mm."""
+    shape, data = projectiles.entry("sphere 6 mm")
+    assert shape == "sphere"
+    assert si(data["mass"]["value"], "kg") == pytest.approx(7.103e-3 / 8, rel=1e-3)
+    assert projectiles.table("Sphere 0.25 inch")["diameter"] == "0.25 inch"
+    with pytest.raises(InputError, match="unknown projectile"):
+        projectiles.entry("sphere 5 N")
 
 
 def test_a_tensile_curve_gives_modulus_and_failure_strain(tmp_path):

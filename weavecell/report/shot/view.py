@@ -75,9 +75,7 @@ class ViewedShot:
 
     def instants(self) -> list[tuple[Any, float]]:
         """Return (grid, time [s]) of each snapshot."""
-        import pyvista
-
-        return [(pyvista.read(file), t) for file, t in self.series]
+        return [(vtk.read_grid(file), t) for file, t in self.series]
 
     def time_of(self, file: Path) -> float:
         """Return the time [s] of a snapshot."""
@@ -278,9 +276,7 @@ def read_shot(path: Path, file: Path) -> ViewedShot | None:
 
 def snapshot(pyplot: Any, shot: ViewedShot, file: Path) -> Any:
     """Draw one .vtu of a series."""
-    import pyvista
-
-    return compose(pyplot, shot, pyvista.read(file), shot.time_of(file))
+    return compose(pyplot, shot, vtk.read_grid(file), shot.time_of(file))
 
 
 def end(pyplot: Any, record: ImpactRecord, near: bool = False) -> Any:
@@ -416,7 +412,7 @@ def add(scene: Any, file: Path, shot: ViewedShot | None) -> None:
     """
     import pyvista
 
-    grid: Any = pyvista.read(file)
+    grid: Any = vtk.read_grid(file)
     text = file.name
     if "tension_warp_N" in grid.cell_data:
         mirrors = (False, False)
