@@ -612,7 +612,12 @@ def _problems(problem, model, given, file, in_python):
             if in_python and not isinstance(error["input"], str):
                 needs_unit = False
             line = refused(
-                error["input"], field.description, file=file, key=key, needs_unit=needs_unit
+                error["input"],
+                field.description,
+                file=file,
+                key=key,
+                needs_unit=needs_unit,
+                units=(unit_of(field) or "",) if needs_unit else (),
             )
         problems.setdefault(key, line)
     return list(problems.values())

@@ -462,12 +462,10 @@ def _scale(written, unit, path=None, name=None):
     # a dash, or one length over another
     if not folded and not unit:
         return 1.0
-    with suppress(InputError):
-        return si(f"1 {written}", unit)
-    try:
-        return si(f"1 {folded}", unit)
-    except InputError as problem:
-        raise problem.changed(file=path, key=name, value=f"1 {written}") from None
+    for text in (written, folded):
+        with suppress(InputError):
+            return si(f"1 {text}", unit)
+    return si(f"1 {written}", unit, file=path, key=name)
 
 
 def _lines_of(path, what):
