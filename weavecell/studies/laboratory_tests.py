@@ -212,6 +212,10 @@ def reduce(tests: DataFrame) -> ReducedTests:
     velocities = table["strike_velocity_m_s"]
     perforated = table["tested"] == "perforated"
     curve = probit.fit(velocities, perforated, confidence=CONFIDENCE)
+    # no key takes such a velocity: a curve this flat says nothing about it
+    if not curve.reason and not 0 < curve.V50 <= FASTEST:
+        reason = f"the curve of these tests puts it at {curve.V50:.4g} m/s, beyond {FASTEST:g} m/s"
+        curve = probit.none(curve.link, CONFIDENCE, reason)
     six_shots = protocol.six_shots(velocities, perforated)
     return ReducedTests(table, curve, six_shots, _fit(table, "tested", None))
 

@@ -266,10 +266,10 @@ def fit(
     if not 0 < confidence < 1:
         raise InputError(key="confidence", value=confidence, allowed="above 0 and below 1")
     if reason := _no_curve(V, hit):
-        return _none(link, confidence, reason)
+        return none(link, confidence, reason)
     V50, s, best = _maximise(V, hit, link)
     if isnan(V50):
-        return _none(link, confidence, NOT_RISING)
+        return none(link, confidence, NOT_RISING)
     more = _more_shots(_Likelihood(V, hit, link, penalised=True), V50, confidence)
     posterior = posterior_of(V, hit, V50, link)
     intervals = {
@@ -331,8 +331,8 @@ def _no_curve(V, hit):
     return f"all shots have one velocity, {V[0]:.4g} m/s"
 
 
-def _none(link, confidence, reason):
-    """The Curve of shots that determine none."""
+def none(link: str, confidence: float, reason: str) -> Curve:
+    """Return the Curve of shots that determine none, with the reason."""
     intervals = dict.fromkeys(("V0", "V50", "V100", "s"), (nan, nan))
     return Curve(link, nan, nan, nan, intervals, nan, False, confidence, reason=reason)
 
