@@ -419,7 +419,8 @@ def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
 
 
 def number(meaning: str, example: float, **limits: Any) -> Any:
-    """Declare a plain number within pydantic's limits gt, ge, lt, le."""
+    """Declare a plain number within pydantic's limits gt, ge, lt, le; finite, unless allow_inf_nan."""
+    limits.setdefault("allow_inf_nan", False)
     match limits:
         case {"gt": low, "le": high}:
             bounds = f"above {low:g} and at most {high:g}"

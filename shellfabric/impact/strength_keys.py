@@ -20,6 +20,7 @@ class StrengthKeys:
                 "shape of the Weibull distribution; 14.3 was measured on yarns of Kevlar 49 of 200 mm",
                 14.3,
                 gt=0.0,
+                allow_inf_nan=True,
             ),
             "pinned yarns",
         ),

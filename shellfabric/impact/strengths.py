@@ -23,7 +23,7 @@ from math import gamma, inf
 
 import numpy as np
 
-from fabrics.base.checks import refuse
+from fabrics.base.fields import check_fields
 from fabrics.base.frozen import explain_frozen
 from shellfabric.impact.strength_keys import StrengthKeys
 from shellfabric.membrane import grading
@@ -56,9 +56,7 @@ class YarnStrength(StrengthKeys):
         )
 
     def __post_init__(self):
-        for key in ("weibull_shape", "gauge_length"):
-            if not getattr(self, key) > 0:
-                refuse(self, key, "above 0")
+        check_fields(self)
 
 
 def draw_strengths(

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import ceil, inf
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from fabrics.assumed import friction_between_yarns
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields, finite
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import refuse_unread
 from fabrics.families import entries
@@ -70,9 +72,10 @@ class YarnZone:
     friction: float = friction_between_yarns().number
     lateral: float = entries(DATA)["lateral_stiffness"].number
     edge: float = entries(DATA)["edge"].number
-    seed: int | Sequence[int] | None = None
+    seed: Annotated[int | Sequence[int] | None, finite(ge=0)] = None
 
     def __post_init__(self):
+        check_fields(self)
         if not self.width > 0:
             raise InputError(key="zone", value=self.half_width, allowed="above 0")
         if not self.friction >= 0:

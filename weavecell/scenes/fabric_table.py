@@ -28,6 +28,7 @@ from fabrics.base.schema import (
     validated,
 )
 from fabrics.yarn import STATUSES
+from shellfabric import shot_keys
 from shellfabric.panel_numbers import UNSTRETCHED, CellNumbers
 from weavecell.scenes import kept_files
 
@@ -211,7 +212,7 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
         MayBeObject(),
     ] = None
     bending: Annotated[
-        quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True),
+        shot_keys.BENDING,
         Unread("export", "0: a membrane has no bending stiffness"),
         Unread("patch", "left out: the yarns of a patch have no bending stiffness of their own"),
         Unread(

@@ -32,9 +32,9 @@ from fabrics.base.schema import (
     string,
     tables_in,
     validated,
-    whole,
 )
 from fabrics.materials import IsotropicKeys
+from shellfabric import shot_keys
 from shellfabric.block.block_keys import BlockKeys
 from shellfabric.loop.history_keys import HistoryKeys
 from shellfabric.membrane.numerics import NumericsKeys
@@ -103,7 +103,7 @@ class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # 
         StandardShot("0.3 mm"),
     ] = None
     strike_velocity: Annotated[
-        quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s"),
+        shot_keys.STRIKE_VELOCITY,
         FileOnly(),
         StandardShot("92.5 m/s"),
         Unread("limit v50"),
@@ -242,23 +242,12 @@ class RunTable(Table):
     }
 
     end_time: Annotated[
-        quantity(
-            "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has "
-            "perforated",
-            "s",
-            "250 us",
-            most="10 ms",
-        ),
+        shot_keys.END_TIME,
         Unread("limit v50 patch"),
     ] = 800e-6
-    elements_per_crossover: whole(
-        "elements along each side of a crossover; if not given, they follow the failure length of the yarns under "
-        "the projectile, and are longer further out ([accuracy](../accuracy.md))",
-        1,
-        8,
-    ) = None
+    elements_per_crossover: shot_keys.ELEMENTS = None
     snapshot_interval: Annotated[
-        quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us"),
+        shot_keys.SNAPSHOT_INTERVAL,
         Unread(OF_MANY),
         NoPlace("export"),
     ] = 1e-5

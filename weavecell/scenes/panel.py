@@ -19,11 +19,9 @@ from pydantic import (
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.schema import (
-    TEXT_OR_TWO,
     StandardShot,
     Table,
     Unread,
-    angle,
     as_tuple,
     declared,
     described,
@@ -31,11 +29,10 @@ from fabrics.base.schema import (
     list_read,
     list_unread,
     one_of,
-    quantities,
-    quantity,
     string,
     whole,
 )
+from shellfabric import shot_keys
 from shellfabric.impact.strength_keys import StrengthKeys
 from shellfabric.membrane.boundary import SlipKeys
 from shellfabric.panel_numbers import PanelNumbers, ZoneKeys
@@ -72,8 +69,6 @@ _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
 )
-# [m] a wider opening is a slip of the unit
-WIDEST = 5.0
 _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
 
 
@@ -112,18 +107,6 @@ class BoundaryTable(SlipTable):  # type: ignore[misc] # frozen by its model_conf
 
 
 Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
-
-
-def _opening(value, read):
-    texts = [value]
-    if isinstance(value, list) and len(value) == 2:
-        texts = value
-    sides = [read(text, "m") for text in texts]
-    if not 0 < min(sides) <= max(sides) <= WIDEST:
-        raise ValueError("out of range")
-    if len(sides) == 1:
-        return sides[0]
-    return tuple(sides)
 
 
 _ZONE = {
@@ -218,12 +201,7 @@ class PlyTable(Table):
         "rad",
         "45 deg",
     ) = 0.0
-    gap: quantity(
-        "clearance to the next ply at rest; if not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
-        "m",
-        "0.12 mm",
-        zero=True,
-    ) = None
+    gap: shot_keys.PLY_GAP = None
     count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
 
     @model_validator(mode="after")
@@ -269,15 +247,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("patch"),
     ] = None
     opening: Annotated[
-        from_text(
-            float | tuple[float, float],
-            _opening,
-            "side of the square opening of the frame, or both sides; diameter of a round one",
-            f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
-            "m",
-            "203 mm",
-            TEXT_OR_TWO,
-        ),
+        shot_keys.OPENING,
         StandardShot("203 mm"),
         Unread("patch"),
     ]
@@ -287,15 +257,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("patch"),
     ] = "rectangular"
     impact_point: Annotated[
-        quantities(
-            "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
-            "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
-            "directions, in a plane of symmetry 0. A point on the second axis may have the symmetry `half`, one on "
-            "the first `other half`, others off the middle `whole`",
-            "m",
-            "a list of two lengths",
-            '["20 mm", "0 mm"]',
-        ),
+        shot_keys.IMPACT_POINT,
         Field(min_length=2, max_length=2),
         Unread("export", "0"),
         Unread("patch"),
@@ -304,20 +266,11 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Boundary, described("how the yarns end at the frame", _BOUNDARY), Unread("patch")
     ] = "clamped"
     symmetry: Annotated[
-        one_of(
-            "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg); "
-            "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn: a "
-            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel. "
-            "If not given: the smallest part that stands for the whole",
-            "quarter",
-            "half",
-            "other half",
-            "whole",
-        ),
+        shot_keys.SYMMETRY,
         Unread("patch"),
     ] = "quarter"
     weave_angle: Annotated[
-        angle("angle of the warp to the sides of the opening", -89, 89, "45 deg"),
+        shot_keys.WEAVE_ANGLE,
         Unread("export", "0: an oblique weave is not exported"),
         Unread("patch"),
     ] = 0.0

@@ -19,6 +19,7 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.units import refused
 from shellfabric.membrane.indicator import status
+from shellfabric.shot_keys import FASTEST
 from weavecell.studies import lambert_jonas, probit, protocol
 from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.lambert_jonas import LambertJonas
@@ -39,8 +40,6 @@ CONFIDENCE = 0.95
 SHARES = {"V0": probit.LOW, "V10": 0.1, "V90": 0.9}
 # tests that come again one after the other are a list that was pasted, not chance
 FEWEST_PASTED = 3
-# [m/s] a faster shot in a table of tests is a slip of the unit
-FASTEST = 1000.0
 
 
 def read(path: FilePath) -> DataFrame:
