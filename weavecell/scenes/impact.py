@@ -42,7 +42,13 @@ from shellfabric.projectile import shapes
 from shellfabric.projectile.body_numbers import BodyNumbers
 from shellfabric.projectile.shapes import SHAPES, NoseNumbers
 from weavecell.scenes import kept_files, presets, stl_file
-from weavecell.scenes.fabric_table import FabricTable, Reader, check_scene, exactly_one
+from weavecell.scenes.fabric_table import (
+    OF_ONE_FABRIC,
+    FabricTable,
+    Reader,
+    check_scene,
+    exactly_one,
+)
 from weavecell.scenes.panel import PanelTable
 
 
@@ -406,6 +412,21 @@ class Scene(Table):
                 allowed = "a table [fabric], which may be left out if every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
+        named = [ply.names_fabric for ply in panel.ply]
+        for key in OF_ONE_FABRIC if panel.ply else ():
+            taken = any(not ply.names_fabric and getattr(ply, key) is None for ply in panel.ply)
+            if not taken and getattr(fabric, key) is not None and key in fabric.model_fields_set:
+                words = f"left out where each [[panel.ply]] names its fabric or has {key}: no ply takes it"
+                raise InputError(key=f"fabric.{key}", allowed=words)
+        if any(named) and fabric.sets("bending"):
+            words = "left out where a [[panel.ply]] names its fabric: it would be that of all yarns"
+            raise InputError(key="fabric.bending", allowed=words)
+        if panel.grading and self.run.sets("elements_per_crossover"):
+            words = "left out with panel.grading, which says how large the elements are"
+            raise InputError(key="run.elements_per_crossover", allowed=words)
+        if not panel.yarn_failure and self.numerics.sets("erosion_gap"):
+            words = "left out without panel.yarn_failure: no yarn is taken out"
+            raise InputError(key="numerics.erosion_gap", allowed=words)
         if isinstance(panel.opening, tuple):
             smallest = min(panel.opening)
         else:

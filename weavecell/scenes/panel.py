@@ -38,7 +38,7 @@ from shellfabric.membrane.boundary import SlipKeys
 from shellfabric.panel_numbers import PanelNumbers, ZoneKeys
 from shellfabric.plies.pack_keys import MOST_PLIES, PackKeys
 from weavecell.scenes import presets
-from weavecell.scenes.fabric_table import LAW, Law
+from weavecell.scenes.fabric_table import LAW, LINEAR_DENSITY, Law, WeavingDamageTable
 
 
 class SlipTable(Table, SlipKeys):  # type: ignore[misc] # frozen by its model_config
@@ -203,11 +203,23 @@ class PlyTable(Table):
     ) = 0.0
     gap: shot_keys.PLY_GAP = None
     count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
+    linear_density: LINEAR_DENSITY = None
+    weaving_damage: Annotated[
+        WeavingDamageTable | None,
+        Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }'),
+    ] = None
+
+    @property
+    def names_fabric(self) -> bool:
+        """Whether it has a fabric of its own, and takes nothing from that of [fabric]."""
+        return self.name is not None or self.file is not None
 
     @model_validator(mode="after")
     def _check_one_fabric(self):
         if self.name is not None and self.file is not None:
             raise InputError("give one of panel.ply.name and panel.ply.file")
+        if not self.names_fabric:
+            self.refuse("linear_density", "left out without name and file: [fabric] has it")
         return self
 
 
@@ -356,6 +368,21 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
                 raise InputError(key=name, allowed="left out for a single ply")
         if self.weave_angle != 0:
             self.refuse("stacking", "aligned if the weave is oblique")
+        return self
+
+    @model_validator(mode="after")
+    def _check_gaps_are_between_plies(self):
+        if not self.ply:
+            return self
+        *front, last = self.ply
+        if last.gap is not None and last.count == 1:
+            raise InputError(
+                key="ply.gap", allowed="left out of the last ply, which has none behind it"
+            )
+        if last.count > 1:
+            front.append(last)
+        if self.ply_gap is not None and front and all(ply.gap is not None for ply in front):
+            raise InputError(key="ply_gap", allowed="left out where each [[panel.ply]] has its gap")
         return self
 
     @model_validator(mode="after")
