@@ -1,6 +1,7 @@
 """`weavecell compare`: A against B, on outcomes that are drawn and not computed."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest

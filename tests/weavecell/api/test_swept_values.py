@@ -61,7 +61,7 @@ def test_rows_are_the_product_of_the_values(planned):
         repeats = any(len(set(values)) < len(values) for values in plain.values())
         outcomes.add(repeats)
         if repeats:
-            with pytest.raises(InputError, match="^over, ") as caught:
+            with pytest.raises(InputError, match=r"^over, ") as caught:
                 planned(over)
             assert caught.value.key.removeprefix("over, ") in given
         else:
