@@ -42,7 +42,7 @@ from pydantic_core import InitErrorDetails
 
 from fabrics.base import written as written_texts
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, nearest, together
+from fabrics.base.errors import InputError, nearest, share_word, together
 from fabrics.base.files import control_character, parse_toml, read_text
 from fabrics.base.units import refused, si
 
@@ -578,6 +578,8 @@ def _problems(problem, model, given, file, in_python):
             message, allowed = table.unknown(names[-1], near)
             if homes:
                 message = f"unknown key here, it is a key of {homes}"
+                if own := share_word(names[-1], table.model_fields):
+                    message += f"; here {', '.join(own)}"
                 # one of several tables alike, such as plies, repeats no other table
                 if any(isinstance(step, int) for step in error["loc"]):
                     message += f"; allowed here: {', '.join(table.model_fields)}"
@@ -629,7 +631,8 @@ def _meant(key, value, table):
     is none."""
     holds_tables = isinstance(value, (dict, list))
     known = [name for name, field in table.model_fields.items() if field.title or holds_tables]
-    return nearest(key, known, 0.66)
+    near = nearest(key, [*known, *table.synonyms])
+    return table.synonyms.get(near, near)
 
 
 def _homes(model, key):

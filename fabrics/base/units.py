@@ -211,7 +211,7 @@ def unknown_unit(value: Any, units: tuple[str, ...]) -> str | None:
         of_capitals = (each for each in usual if each.lower() == written.lower())
         # letters alone tell "denier", but not "us" from "ms"
         words = [each for each in usual if len(each) > 3]
-        meant = next(of_capitals, None) or nearest(written.lower(), words, 0.66)
+        meant = next(of_capitals, None) or nearest(written.lower(), words)
     hint = f', did you mean "{meant}"?' if meant else ""
     return f'has an unknown unit, "{written}"{hint}'
 

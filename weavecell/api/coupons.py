@@ -235,7 +235,7 @@ def _case(target, test, options):
             known = sorted(
                 {"law", *(key for keys in tables.values() for key in keys)} - {"outputs"}
             )
-            near = nearest(key, known, 0.5)
+            near = nearest(key, known)
             hint = ";"
             if near:
                 hint = f", did you mean {near}?"

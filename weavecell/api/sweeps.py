@@ -453,7 +453,7 @@ def _hint_at_key(name, values):
     known = {"velocity": "projectile.strike_velocity"}
     for key, table in keywords.tables().items():
         known[key] = f"{table}.{key}" if table else key
-    if near := nearest(name, known, 0.7):
+    if near := nearest(name, known):
         return f"is not a key of an input file, did you mean {_over(known[near], listed)}?"
     example = _over("panel.opening", ["150 mm", "200 mm"])
     return f"is not a key of an input file; a key has its table before it, such as {example}"

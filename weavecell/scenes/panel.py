@@ -246,7 +246,6 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         "layers": "plies",
         "clamping": "boundary",
         "edges": "boundary",
-        "friction": "ply_friction",
         "gap": "ply_gap",
     }
 
