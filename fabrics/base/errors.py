@@ -194,7 +194,7 @@ def placed(file: object, prefix: str = "") -> Iterator[None]:
 
 
 # of the letters of a name, of which its like has more
-_ALIKE = 2 / 3
+_ALIKE = 2 / 3 + 1e-9
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

@@ -631,8 +631,8 @@ def _meant(key, value, table):
     is none."""
     holds_tables = isinstance(value, (dict, list))
     known = [name for name, field in table.model_fields.items() if field.title or holds_tables]
-    near = nearest(key, [*known, *table.synonyms])
-    return table.synonyms.get(near, near)
+    word = nearest(key, table.synonyms)
+    return nearest(key, known) or (table.synonyms[word] if word else None)
 
 
 def _homes(model, key):
