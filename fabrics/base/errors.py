@@ -199,13 +199,16 @@ _ALIKE = 2 / 3 + 1e-9
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Find the one of the `known` names that a mistyped `name` may be meant for: one with more than two
-    thirds of its letters in their places, else the only one that has a word of it."""
+    thirds of its letters in their places, else the only one that begins with it, or has a word of it."""
     names = list(known)
     best = max(names, key=lambda other: _likeness(name.lower(), other.lower()), default="")
     if best and _likeness(name.lower(), best.lower()) > _ALIKE:
         return best
-    sharing = share_word(name, names)
-    return sharing[0] if len(sharing) == 1 else None
+    begun = [other for other in names if other.lower().startswith(name.lower())]
+    for found in (begun if len(name) > 2 else [], share_word(name, names)):
+        if len(found) == 1:
+            return found[0]
+    return None
 
 
 def share_word(name: str, known: Iterable[str]) -> list[str]:

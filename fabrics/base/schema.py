@@ -578,7 +578,8 @@ def _problems(problem, model, given, file, in_python):
             message, allowed = table.unknown(names[-1], near)
             if homes:
                 message = f"unknown key here, it is a key of {homes}"
-                if own := share_word(names[-1], table.model_fields):
+                own = share_word(names[-1], table.model_fields)
+                if own and "_" not in names[-1]:
                     message += f"; here {', '.join(own)}"
                 # one of several tables alike, such as plies, repeats no other table
                 if any(isinstance(step, int) for step in error["loc"]):

@@ -244,6 +244,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
     synonyms: ClassVar = {
         "size": "opening",
         "layers": "plies",
+        "plys": "plies",
         "clamping": "boundary",
         "edges": "boundary",
         "gap": "ply_gap",

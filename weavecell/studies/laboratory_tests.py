@@ -35,12 +35,10 @@ OUTCOME = "outcome"
 RESIDUAL = "residual velocity"
 STOPPED = "stopped"
 PERFORATED = "perforated"
-OUTCOMES = dict.fromkeys(
-    ("pp", "partial", "partial penetration", STOPPED, "stop", "stops", "no perforation"), STOPPED
-)
-OUTCOMES |= dict.fromkeys(
-    ("cp", "complete", "complete penetration", PERFORATED, "perforation", "through"), PERFORATED
-)
+OUTCOMES = dict.fromkeys(("pp", "partial", "partial penetration", STOPPED), STOPPED)
+OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", PERFORATED), PERFORATED)
+OUTCOMES |= dict.fromkeys(("stop", "stops", "no perforation"), STOPPED)
+OUTCOMES |= dict.fromkeys(("perforation", "through"), PERFORATED)
 # beginning of a heading that asks for one outcome: (the outcome of yes, of no)
 ASKED = {
     **dict.fromkeys((PERFORATED, "perforation", "complete"), (PERFORATED, STOPPED)),
