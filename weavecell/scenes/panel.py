@@ -171,11 +171,11 @@ class PlyTable(Table):
 
     [[panel.ply]]
     count = 2
+    gap = "0.1 mm"
 
     [[panel.ply]]
     name = "S-726"
     angle = "45 deg"
-    gap = "0.1 mm"
     """
 
     name: string(
