@@ -53,7 +53,8 @@ def check_fields(owner: Any) -> None:
     ------
     InputError : names the field and the value that it has
     """
-    for name, hint, reader, allowed in _fields(type(owner)):
+    kind: Any = type(owner)
+    for name, hint, reader, allowed in _fields(kind):
         value = getattr(owner, name)
         if not _fits(value, hint):
             raise InputError(key=name, value=value, allowed=_in_words(hint))
