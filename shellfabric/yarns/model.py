@@ -225,13 +225,17 @@ class YarnPanel(Panel):
             if (high - low) * (1 + mirrored) < least:
                 smallest = 1e3 * 0.5 * (least + 1) * spacing
                 allowed = f"at least {smallest:.3g} mm for this nose, in a larger opening"
-                raise InputError(key="zone", value=self.resolved.width, allowed=allowed)
+                self._refuse_zone(allowed)
         if not self.loose()[i0 + 1 : i1, j0 + 1 : j1].all():
-            raise InputError(
-                key="zone",
-                value=self.resolved.width,
-                allowed="smaller: an edge of the opening crosses it",
-            )
+            self._refuse_zone("smaller: an edge of the opening crosses it")
+
+    def _refuse_zone(self, allowed):
+        """Refuse the zone that is given, or say which one is taken where none is."""
+        width = self.resolved.width
+        if self.resolved.half_width is not None:
+            raise InputError(key="zone", value=width, allowed=allowed)
+        message = f"is not given, and {1e3 * width:g} mm does not fit"
+        raise InputError(message, key="zone", allowed=allowed)
 
     @property
     def grid_middle(self) -> tuple[float, float]:
