@@ -174,9 +174,16 @@ def _data(meaning, sample, bounds):
 def _number(meaning, unit):
     """The type of a key in SI `unit`, "" of a ratio, that the law made from it checks."""
     of = Quantity({unit: ""}, example(unit), meaning)
-    allowed = "a number"
+    allowed = 'a number, or a share such as "30 %"'
     if unit:
         allowed = f'such as "{of.example}"'
+    return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, allowed)]
+
+
+def _angle(meaning):
+    """The type of an angle, a number alone in radians, that the law made from it checks."""
+    of = Quantity({"rad": "", "1": ""}, "0.2", meaning)
+    allowed = 'a number in radians, or such as "12 deg"'
     return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, allowed)]
 
 
@@ -302,8 +309,8 @@ class ShearTable(DataTable):
 
     G1: _number("tangent shear modulus before parallel yarns touch", "Pa")
     G2: _number("tangent shear modulus after locking", "Pa")
-    gamma1: _number("shear angle in radians at which parallel yarns touch", "")
-    gamma2: _number("shear angle in radians of locking", "")
+    gamma1: _angle("shear angle in radians at which parallel yarns touch")
+    gamma2: _angle("shear angle in radians of locking")
 
 
 class SolidTable(DataTable):

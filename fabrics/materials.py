@@ -15,6 +15,7 @@ from typing import Annotated
 
 from fabrics.base.checks import FilePath, positive, refuse
 from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields
 from fabrics.base.files import read_data
 from fabrics.base.schema import declared, key, number, quantity, unit_of
 from fabrics.base.sourced import Constants, in_si
@@ -52,7 +53,15 @@ class IsotropicKeys:
     ] = None
     erosion_strain: Annotated[
         float | None,
-        key(number("effective plastic strain at which an element is eroded", 0.9, gt=0.0), "block"),
+        key(
+            number(
+                "effective plastic strain at which an element is eroded",
+                0.9,
+                gt=0.0,
+                allow_inf_nan=True,
+            ),
+            "block",
+        ),
     ] = None
     rate_exponent: Annotated[
         float | None,
@@ -95,6 +104,7 @@ class Elastic:
     poisson: float
 
     def __post_init__(self):
+        check_fields(self)
         positive(self, "density", "modulus")
         if not 0 <= self.poisson < 0.5:
             refuse(self, "poisson", "from 0 to below 0.5")

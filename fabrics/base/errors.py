@@ -10,7 +10,6 @@ given; results are kept.
 
 from __future__ import annotations
 
-import difflib
 import re
 import traceback
 from collections.abc import Iterable, Iterator, Sequence
@@ -194,19 +193,57 @@ def placed(file: object, prefix: str = "") -> Iterator[None]:
         raise problem.changed(file=file, key=key) from None
 
 
-def nearest(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
-    """Find the one of the `known` names that a mistyped `name` may be meant for: at least so
-    similar, from 0 to 1."""
-    return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=least)), None)
+# of the letters of a name, of which its like has more
+_ALIKE = 2 / 3 + 1e-9
 
 
-def nearest_name(name: str, known: Iterable[str], least: float = 0.75) -> str | None:
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Find the one of the `known` names that a mistyped `name` may be meant for: one with more than two
+    thirds of its letters in their places, else the only one that begins with it, or has a word of it."""
+    names = list(known)
+    best = max(names, key=lambda other: _likeness(name.lower(), other.lower()), default="")
+    if best and _likeness(name.lower(), best.lower()) > _ALIKE:
+        return best
+    begun = [other for other in names if other.lower().startswith(name.lower())]
+    for found in (begun if len(name) > 2 else [], share_word(name, names)):
+        if len(found) == 1:
+            return found[0]
+    return None
+
+
+def share_word(name: str, known: Iterable[str]) -> list[str]:
+    """List the `known` names that have a word of a name."""
+    words = set(_words_of(name))
+    return [other for other in known if words & set(_words_of(other))]
+
+
+def _words_of(name):
+    """Words of at least four letters, one and several alike."""
+    return [word.removesuffix("s") for word in re.findall(r"[a-z]{4,}", name.lower())]
+
+
+def _likeness(name, other):
+    """Share of the letters that need no change, exchanges of neighbours counting as one change [-]."""
+    # rows of the table of distances of all beginnings
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(name):
+        before, last, row = row, before, [i + 1]
+        for j, its in enumerate(other):
+            least = min(before[j + 1] + 1, row[j] + 1, before[j] + (letter != its))
+            if i and j and letter == other[j - 1] and name[i - 1] == its:
+                least = min(least, last[j - 1] + 1)
+            row.append(least)
+    return 1 - row[-1] / max(len(name), len(other), 1)
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """Find the `known` name that a mistyped one may be meant for, as `nearest`, but none with other
     numbers in it: a fragment of 2.79 g is near to one of 17 grain by its letters alone."""
     numbers = _numbers_in(name)
     if numbers:
         known = [other for other in known if _numbers_in(other) == numbers]
-    return nearest(name, known, least)
+    return nearest(name, known)
 
 
 def _numbers_in(name):
@@ -224,7 +261,7 @@ def unknown_name(
 ) -> InputError:
     """Return the InputError of a `name` that no `kind` has, with the nearest of the `known` names
     and all of them."""
-    near = near or nearest_name(name, known, 0.6)
+    near = near or nearest_name(name, known)
     hint = ";"
     if near:
         hint = f', did you mean "{near}"?'

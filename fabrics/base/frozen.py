@@ -32,7 +32,7 @@ def _explain(owner, name):
         )
     if hasattr(owner, name):
         return f"{kind}.{name} cannot be set: it follows from {', '.join(known)}"
-    near = nearest(name, known, 0.6)
+    near = nearest(name, known)
     hint = ""
     if near:
         hint = f", did you mean {near}?"

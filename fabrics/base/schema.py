@@ -46,7 +46,7 @@ from fabrics.base import range_texts
 from fabrics.base import written as written_texts
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError, nearest, together
+from fabrics.base.errors import InputError, nearest, share_word, together
 from fabrics.base.files import control_character, parse_toml, read_text
 from fabrics.base.units import refused, si
 from fabrics.base.values import is_same
@@ -436,8 +436,9 @@ def quantities(meaning: str, unit: str, what: str, example: str) -> Any:
 
 
 def number(meaning: str, example: float, *, ranged: bool = False, **limits: Any) -> Any:
-    """Declare a plain number within pydantic's limits gt, ge, lt, le; one that is `ranged` may be given
-    with a range."""
+    """Declare a plain number within pydantic's limits gt, ge, lt, le; finite, unless allow_inf_nan; one
+    that is `ranged` may be given with a range."""
+    limits.setdefault("allow_inf_nan", False)
     match limits:
         case {"gt": low, "le": high}:
             bounds = f"above {low:g} and at most {high:g}"
@@ -632,6 +633,9 @@ def _problems(problem, model, given, file, in_python):
             message, allowed = table.unknown(names[-1], near)
             if homes:
                 message = f"unknown key here, it is a key of {homes}"
+                own = share_word(names[-1], table.model_fields)
+                if own and "_" not in names[-1]:
+                    message += f"; here {', '.join(own)}"
                 # one of several tables alike, such as plies, repeats no other table
                 if any(isinstance(step, int) for step in error["loc"]):
                     message += f"; allowed here: {', '.join(table.model_fields)}"
@@ -669,7 +673,14 @@ def _problems(problem, model, given, file, in_python):
             allowed = field.description
             if mark(field, MayHaveRange) is None and range_texts.looks_like_one(error["input"]):
                 allowed = f"{allowed}, without a range: shots draw {_drawn_keys(model)} alone"
-            line = refused(error["input"], allowed, file=file, key=key, needs_unit=needs_unit)
+            line = refused(
+                error["input"],
+                allowed,
+                file=file,
+                key=key,
+                needs_unit=needs_unit,
+                units=(unit_of(field) or "",) if needs_unit else (),
+            )
         problems.setdefault(key, line)
     return list(problems.values())
 
@@ -685,7 +696,8 @@ def _meant(key, value, table):
     is none."""
     holds_tables = isinstance(value, (dict, list))
     known = [name for name, field in table.model_fields.items() if field.title or holds_tables]
-    return nearest(key, known, 0.66)
+    word = nearest(key, table.synonyms)
+    return nearest(key, known) or (table.synonyms[word] if word else None)
 
 
 def _homes(model, key):

@@ -60,9 +60,20 @@ SYNONYMS = {
         "impact velocity",
         "speed",
         "striking speed",
+        "muzzle velocity",
+        "vs",
+        "v s",
     ),
-    "residual velocity": ("residual speed", "exit velocity", "residual"),
-    "outcome": ("result", "penetration"),
+    "residual velocity": ("residual speed", "exit velocity", "residual", "vr", "v r"),
+    "outcome": (
+        "result",
+        "penetration",
+        "perforated",
+        "perforation",
+        "complete penetration",
+        "stopped",
+        "partial penetration",
+    ),
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
     # of pull-outs
@@ -146,12 +157,14 @@ class Table:
     lines : (n,) number of the line of each row in the file
     cells : {name: (n,)} texts; "" where a row ends before the column
     scales : {name: value of its unit in SI} of columns of numbers
+    headings : {name: heading of its column as it is written}
     """
 
     path: FilePath
     lines: tuple[int, ...]
     cells: Mapping[str, Sequence[str]]
     scales: Mapping[str, float]
+    headings: Mapping[str, str]
 
     def rows(self) -> Iterator[tuple[str, dict[str, str]]]:
         """Yield ("line 7", {name: cell}) of each row."""
@@ -248,7 +261,8 @@ def read_table(
         numbers = [place for name, place in places.items() if kinds[name] != WORDS]
         _point_decimals(below, numbers, path, mixed=QUANTITIES in kinds.values())
     cells = {name: [row[place] for _, row in below] for name, place in places.items()}
-    return Table(path, tuple(number for number, _ in below), cells, scales)
+    named = {name: column.cell for name, column in columns.items()}
+    return Table(path, tuple(number for number, _ in below), cells, scales, named)
 
 
 def _tell_left_out(path, first, above, heading, places):
@@ -495,12 +509,10 @@ def _scale(written, unit, path=None, name=None):
     # a dash, or one length over another
     if not folded and not unit:
         return 1.0
-    with suppress(InputError):
-        return si(f"1 {written}", unit)
-    try:
-        return si(f"1 {folded}", unit)
-    except InputError as problem:
-        raise problem.changed(file=path, key=name, value=f"1 {written}") from None
+    for text in (written, folded):
+        with suppress(InputError):
+            return si(f"1 {text}", unit)
+    return si(f"1 {written}", unit, file=path, key=name)
 
 
 def _lines_of(path, what):

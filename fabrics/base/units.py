@@ -6,11 +6,12 @@ from __future__ import annotations
 import re
 from functools import cache
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
 from fabrics.base import amounts
 from fabrics.base.checks import FilePath
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, nearest
 
 # SI unit: {unit: factor to it, as pint has it to the last digit}; these are converted without
 # importing pint
@@ -45,6 +46,8 @@ FACTORS = {
     "J/(kg K)": {"J/(kg K)": 1.0},
     "rad": {"deg": 0.017453292519943295, "rad": 1.0},
     "": {"": 1.0, "%": 0.01},
+    # a number alone, which is no share: not even in %
+    "1": {"": 1.0},
 }
 # SI unit: an example for messages; of others "1" of the unit itself
 EXAMPLES = {
@@ -60,6 +63,7 @@ EXAMPLES = {
     "kg": "1.1 g",
     "m/s": "100 m/s",
     "s": "100 us",
+    "1/s": "1000 / s",
 }
 _NAMES = {"N/(kg/m)": "N/tex"}
 NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
@@ -74,13 +78,18 @@ _PER = re.compile(
 )  # before the first unit of "34 per inch", "8.5 / cm" and "8.5 1/cm"
 
 # a count, as in "8.5 yarns/cm"
-_YARNS = re.compile(r"(?:yarns?|ends|picks|threads) *(?=/|per\b)")
+_YARNS = re.compile(r"(?:yarns?|ends|picks|threads|counts?) *(?=/|per\b)")
 # ends in ten centimetres, as ISO 7211-2 counts them
 _IN_A_LENGTH = re.compile(r"(?:1?/|per\b) *([1-9][0-9]*) *([a-z]+)")
 # length of a yarn in a mass, as glass is sold: "250 yd/lb" is a linear density all the same
 _OF_MASS = re.compile(r"(yd|yards?|m|km) *(?:/|per) *(lb|lbs|pound|kg|g)")
 # of a strip that breaks
 _FORCES = {**dict.fromkeys(("lb", "lbs", "pound", "pounds"), "lbf"), "kg": "kgf"}
+# words that are no unit, or another one in pint (its "grad" is a 400th of a turn): what is meant
+_MEANT = {
+    "grad": "deg",
+    "mps": "m/s",
+}
 # what data sheets write, in small letters, as a unit of pint, whose own mil is an angle
 _ALIASES = {
     # ends, picks and threads per inch
@@ -88,6 +97,7 @@ _ALIASES = {
     # the gram of a tenacity is a force
     **dict.fromkeys(("g/den", "g/denier", "gf/den", "gpd"), "gf/denier"),
     **dict.fromkeys(("mil", "mils"), "thou"),
+    **dict.fromkeys(("lbm", "lbs"), "pound"),
     # million pounds a square inch
     "msi": "megapsi",
     # ounces a square yard
@@ -100,8 +110,19 @@ _ALIASES = {
 def _registry():
     import pint
 
-    registry = pint.UnitRegistry(cache_folder=None)
-    registry.define("gsm = gram / meter ** 2")
+    # empty at first: a registry keeps what it knows of its own units when it is made
+    registry = pint.UnitRegistry(None, cache_folder=None, on_redefinition="ignore")
+    registry.load_definitions(Path(pint.__file__).with_name("default_en.txt"))
+    # without dimensions 30 % would be an angle, 20 rad/s a frequency, 3 bit a strain
+    for line in (
+        "radian = [angle] = rad",
+        "bit = [information]",
+        "count = [count]",
+        "absorbance_unit = [absorbed] = AU",
+        "refractive_index_unit = [refracted] = RIU",
+        "gsm = gram / meter ** 2",
+    ):
+        registry.define(line)
     return registry
 
 
@@ -139,11 +160,11 @@ def in_one_of(
             continue
         if isfinite(number):
             return number, unit
-    names = " or ".join(_NAMES.get(unit, unit) for unit in units)
+    names = " or ".join(_NAMES.get(unit, unit) for unit in units if unit != "1")
     allowed = "a number"
     if names:
         allowed = f'a text with a unit that converts to {names}, such as "{example(units[0])}"'
-    raise refused(value, allowed, file=file, key=key, needs_unit=all(units))
+    raise refused(value, allowed, file=file, key=key, needs_unit=all(units), units=units)
 
 
 def refused(
@@ -153,12 +174,18 @@ def refused(
     file: FilePath | None = None,
     key: str | None = None,
     needs_unit: bool = False,
+    units: tuple[str, ...] = (),
 ) -> InputError:
     """Return the InputError of a value that is not a quantity, or of a list with one; it names a
-    decimal comma, or that a quantity which `needs_unit` has none."""
+    decimal comma, a unit that is none, or that a quantity which `needs_unit` has none.
+
+    units : SI units of which one is wanted, for the unit that may be meant
+    """
     message = decimal_comma(value)
     if message is None and needs_unit and _is_bare(value):
         message = "has no unit"
+    if message is None and units:
+        message = unknown_unit(value, units)
     return InputError(message, file=file, key=key, value=value, allowed=allowed)
 
 
@@ -167,6 +194,44 @@ def _is_bare(value):
     if isinstance(value, str):
         return NUMBER.fullmatch(value.strip()) is not None
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def unknown_unit(value: Any, units: tuple[str, ...]) -> str | None:
+    """Say of a text with a unit that is none which one of `units` may be meant; None of all else."""
+    number = NUMBER.match(value.strip()) if isinstance(value, str) else None
+    if number is None:
+        return None
+    written = value.strip()[number.end() :].strip()
+    usual = [each for unit in units for each in FACTORS.get(unit, {}) if each]
+    meant = _MEANT.get(written.lower())
+    if meant is None:
+        # a second number is another fault
+        if not re.fullmatch(r"[^\W\d_][^\d,]*", written) or _is_unit(written, usual):
+            return None
+        of_capitals = (each for each in usual if each.lower() == written.lower())
+        # letters alone tell "denier", but not "us" from "ms"
+        words = [each for each in usual if len(each) > 3]
+        meant = next(of_capitals, None) or nearest(written.lower(), words)
+    hint = f', did you mean "{meant}"?' if meant else ""
+    return f'has an unknown unit, "{written}"{hint}'
+
+
+@cache
+def _parses(written):
+    """Whether a text is a unit of some quantity."""
+    try:
+        _parsed(_ALIASES.get(written.lower(), written))
+    # pint raises many types
+    except Exception:
+        return False
+    return True
+
+
+def _is_unit(written, usual):
+    """Whether a text is a unit, and not one of the `usual` ones but for its capitals."""
+    if written in usual:
+        return True
+    return written.lower() not in map(str.lower, usual) and _parses(written)
 
 
 def decimal_comma(value: Any) -> str | None:
@@ -192,7 +257,7 @@ def example(unit: str) -> str:
 def _converted(value, unit):
     """`value` in SI; ValueError, or an error of pint, if it is not a quantity of the dimension of
     `unit`."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and not unit:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and unit in ("", "1"):
         return float(value)
     if not isinstance(value, str):
         raise ValueError("no text")
@@ -210,9 +275,10 @@ def _converted(value, unit):
 def _factor(written, unit):
     """SI value of one of the unit that is `written`."""
     written = _ALIASES.get(written.lower(), written)
-    # pint would take a number alone for radians
-    if unit == "rad" and not written:
-        raise ValueError("no unit")
+    if written.lower() in _MEANT or (unit == "1" and written):
+        raise ValueError("no unit, or one of a number alone")
+    if not written and unit not in ("", "1"):
+        raise ValueError("a number alone")
     if unit == "1/m":
         written = _YARNS.sub("", written, count=1)
         length = _IN_A_LENGTH.fullmatch(written)
@@ -235,8 +301,8 @@ def _force_over_width(written):
     return _factor_by_pint(f"{force}/{over[3]}", "N/m") / int(over[2] or 1)
 
 
-def _factor_by_pint(written, unit):
-    """The same by pint, to which nothing but the unit goes: digits stand in exponents alone."""
+def _parsed(written):
+    """(registry of pint, unit that is written); an error of many types if it is none."""
     text = _PLAIN_EXPONENT.sub(r"^\1", written)
     per = _PER.match(text)
     if per:
@@ -244,8 +310,20 @@ def _factor_by_pint(written, unit):
     if re.search(r"[0-9,.]|\([^)]*\(", _EXPONENT.sub("", text)):
         raise ValueError("more than one number, or brackets in brackets")
     registry = _registry()
-    parsed = registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
-    return float(registry.Quantity(1.0, parsed).to(unit or "dimensionless").magnitude)
+    return registry, registry.parse_units(("1/" if per else "") + text.replace("%", " percent"))
+
+
+def _factor_by_pint(written, unit):
+    """The same by pint, to which nothing but the unit goes: digits stand in exponents alone."""
+    registry, parsed = _parsed(written)
+    none, one = (
+        float(registry.Quantity(number, parsed).to(unit or "dimensionless").magnitude)
+        for number in (0.0, 1.0)
+    )
+    # 20 degC is not 20 times 1 degC, nor 20 dB 20 times 1 dB
+    if none != 0:
+        raise ValueError("no unit that numbers are multiplied by")
+    return one
 
 
 amounts.use_units(FACTORS, si)

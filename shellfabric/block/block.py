@@ -21,7 +21,7 @@ makes no energy; held over the step they would.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -29,11 +29,12 @@ from fabrics.backings import assumed_line
 from fabrics.base import sums
 from fabrics.base.checks import FloatArray, IntArray
 from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.fields import check_fields, finite
 from fabrics.base.frozen import explain_frozen
 from fabrics.materials import Isotropic, load
 from shellfabric.block import block_kernels as kernels
 from shellfabric.block import contact_kernels as touch
-from shellfabric.block.block_keys import OUTER_BOUNDARIES, BlockKeys
+from shellfabric.block.block_keys import BlockKeys
 from shellfabric.block.hex8 import Bricks
 from shellfabric.block.state import BlockLaw, BlockPoints, BlockRow
 from shellfabric.law_rows import make_law
@@ -93,36 +94,23 @@ class Backing(BlockKeys):
     """
 
     material: Isotropic = field(default_factory=lambda: load("backing"))
-    hourglass: float = 0.1
-    viscosity: float = 0.1
-    penalty: float = 10.0
-    contact_damping: float = 0.2
-    ply_penalty: float = 0.1
-    points: int = 2
+    hourglass: Annotated[float, finite(ge=0.0)] = 0.1
+    viscosity: Annotated[float, finite(ge=0.0)] = 0.1
+    penalty: Annotated[float, finite(gt=0.0)] = 10.0
+    contact_damping: Annotated[float, finite(ge=0.0)] = 0.2
+    ply_penalty: Annotated[float, finite(gt=0.0)] = 0.1
+    points: Annotated[int, finite(gt=0.0)] = 2
     mirrors: tuple[bool, bool] = (True, True)
     name: str = ""
 
     def __post_init__(self):
-        if self.outer_boundary not in OUTER_BOUNDARIES:
-            raise InputError(
-                key="outer_boundary",
-                value=self.outer_boundary,
-                allowed=" or ".join(OUTER_BOUNDARIES),
-            )
+        check_fields(self)
         if len(self.size) != 3 or not all(0 < 2 * self.min_size <= length for length in self.size):
             raise InputError(
                 key="size",
                 value=self.size,
                 allowed=f"three lengths of at least {2 * self.min_size:g} m",
             )
-        for key in ("min_size", "refined_depth", "penalty", "ply_penalty", "points"):
-            if not 0 < getattr(self, key) < np.inf:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        if not self.growth >= 1:
-            raise InputError(key="growth", value=self.growth, allowed="at least 1")
-        for key in ("hourglass", "viscosity", "contact_damping", "after_stop"):
-            if not 0 <= getattr(self, key) < np.inf:
-                raise InputError(key=key, value=getattr(self, key), allowed="at least 0")
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, product
 from math import ceil, degrees, inf, pi
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -15,23 +15,26 @@ from fabrics import plausible
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import refuse
 from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields, finite, limits
 from fabrics.base.frozen import explain_frozen
+from fabrics.base.schema import declared
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import rotated_90
+from shellfabric import shot_keys
 from shellfabric.cell import table_cache
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.surface_cell import SurfaceCell
 from shellfabric.impact.plausible_numbers import list_numbers
 from shellfabric.impact.strengths import YarnStrength, with_strengths
 from shellfabric.loop import histories
-from shellfabric.membrane import boundary
+from shellfabric.membrane import boundary, grading
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.panel_setup import PanelSetup
 from shellfabric.panel_numbers import CellNumbers
 from shellfabric.plies.model import Pack, PlyContact, at_angle
-from shellfabric.plies.pack_keys import PackNumbers
+from shellfabric.plies.pack_keys import PackKeys, PackNumbers
 from shellfabric.yarns.model import YarnPanel, YarnZone, lie_anywhere
 
 ELEMENT_SIDE = 0.8  # [projectile radii] of an element at most, by default: longer ones miss what a narrow nose cuts
@@ -76,8 +79,11 @@ class Ply:
 
     fabric: Fabric
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
-    angle: float = 0.0
-    gap: float | None = None
+    angle: Annotated[float, finite(gt=-pi / 2, le=pi / 2)] = 0.0
+    gap: Annotated[float | None, limits(shot_keys.PLY_GAP)] = None
+
+    def __post_init__(self):
+        check_fields(self)
 
 
 @explain_frozen
@@ -126,19 +132,19 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     """
 
     fabric: Fabric
-    strike_velocity: float
+    strike_velocity: Annotated[float, limits(shot_keys.STRIKE_VELOCITY)]
     laws: tuple[CompressionLaw, CompressionLaw] | None = None
-    opening: float | tuple[float, float] = 0.203
-    end_time: float = 800e-6
-    elements_per_crossover: int | None = None
-    bending: float | tuple[float, float] = 0.0
+    opening: Annotated[float | tuple[float, float], limits(shot_keys.OPENING)] = 0.203
+    end_time: Annotated[float, limits(shot_keys.END_TIME)] = 800e-6
+    elements_per_crossover: Annotated[int | None, limits(shot_keys.ELEMENTS)] = None
+    bending: Annotated[float | tuple[float, float], limits(shot_keys.BENDING)] = 0.0
     surface: ResponseSurface | None = None
-    table_size: int = 201
-    audit_interval: float = 2e-6
-    snapshot_interval: float | None = None
+    table_size: Annotated[int, finite(ge=2)] = 201
+    audit_interval: Annotated[float, finite(gt=0.0)] = 2e-6
+    snapshot_interval: Annotated[float | None, limits(shot_keys.SNAPSHOT_INTERVAL)] = None
     history: histories.HistoryRequest | None = None
     crossovers: YarnZone | None = None
-    ply_friction: float = Assumed(0.0)
+    ply_friction: Annotated[float, declared(PackKeys)["ply_friction"]] = Assumed(0.0)
     contact: PlyContact | None = None
     lay_up: tuple[Ply, ...] = ()
     strength: YarnStrength | None = None
@@ -146,6 +152,10 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
     pinned: bool = False
 
     def __post_init__(self):
+        check_fields(self)
+        boundary.sides(self.boundary)
+        if self.grading is not None:
+            grading.check(self.grading)
         if self.lay_up and self.plies != len(self.lay_up):
             refuse(self, "plies", f"{len(self.lay_up)}, as many as the lay-up has")
         if self.lay_up and self.surface is not None:

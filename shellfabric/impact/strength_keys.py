@@ -20,6 +20,7 @@ class StrengthKeys:
                 "shape of the Weibull distribution; that of the fabric's yarns if not given, 14.3 assumed",
                 14.3,
                 gt=0.0,
+                allow_inf_nan=True,
             ),
             "pinned yarns",
         ),

@@ -22,7 +22,7 @@ from math import gamma, inf
 
 import numpy as np
 
-from fabrics.base.checks import refuse
+from fabrics.base.fields import check_fields
 from fabrics.base.frozen import explain_frozen
 from shellfabric.impact.strength_keys import StrengthKeys
 from shellfabric.membrane import grading
@@ -57,8 +57,7 @@ class YarnStrength(StrengthKeys):
         )
 
     def __post_init__(self):
-        if self.weibull_shape is not None and not self.weibull_shape > 0:
-            refuse(self, "weibull_shape", "above 0")
+        check_fields(self)
 
 
 def draw_strengths(

@@ -16,14 +16,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fabrics.base import sums
-from fabrics.base.checks import FloatArray, IntArray, positive, refuse
+from fabrics.base.checks import FloatArray, IntArray, refuse
 from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields
 from fabrics.base.frozen import explain_frozen
 from shellfabric.loop.cone import find_foot
 from shellfabric.loop.history_keys import HistoryKeys
@@ -66,13 +66,8 @@ class HistoryRequest(HistoryKeys):
     plies: tuple[int, ...] | None = None
 
     def __post_init__(self):
-        positive(self, "interval")
-        for family in FAMILIES:
-            if not all(abs(distance) < inf for distance in getattr(self, family)):
-                raise InputError(key=family, value=getattr(self, family), allowed="distances in m")
-        if self.plies is not None and (
-            not self.plies or any(ply != int(ply) or ply < 1 for ply in self.plies)
-        ):
+        check_fields(self)
+        if self.plies is not None and (not self.plies or min(self.plies) < 1):
             refuse(self, "plies", "numbers of plies, the first is 1")
 
     def chosen(self, count: int) -> Sequence[int]:

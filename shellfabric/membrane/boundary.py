@@ -19,9 +19,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any, TypeAlias
 
-from fabrics.base.checks import not_negative, positive, refuse
+from fabrics.base.checks import refuse
 from fabrics.base.errors import InputError
-from fabrics.base.schema import Unread, key, quantity
+from fabrics.base.fields import check_fields
+from fabrics.base.schema import Unread, declared, key, quantity
 
 SLIPS = "clamped or free: no side that slips is exported"
 
@@ -81,6 +82,9 @@ class SlipKeys:
     ] = 60e-3
 
 
+_KEYS = declared(SlipKeys)
+
+
 @dataclass(frozen=True)
 class PullIn:
     """A side that slips in the clamp by a given amount, from a triangular zone (thesis section
@@ -97,10 +101,10 @@ class PullIn:
     InputError : a value out of its range
     """
 
-    pull_in: float
-    start: float
-    end: float
-    zone: float = SlipKeys.zone
+    pull_in: Annotated[float, _KEYS["pull_in"]]
+    start: Annotated[float, _KEYS["start"]]
+    end: Annotated[float, _KEYS["end"]]
+    zone: Annotated[float, _KEYS["zone"]] = SlipKeys.zone
 
     @property
     def words(self) -> str:
@@ -111,8 +115,7 @@ class PullIn:
         )
 
     def __post_init__(self):
-        positive(self, "pull_in", "zone")
-        not_negative(self, "start")
+        check_fields(self)
         if not self.start < self.end < inf:
             refuse(self, "end", "after the start")
 
@@ -130,7 +133,7 @@ class Grip:
     InputError : a force that is not positive
     """
 
-    clamp_force: float
+    clamp_force: Annotated[float, _KEYS["clamp_force"]]
 
     @property
     def words(self) -> str:
@@ -138,7 +141,7 @@ class Grip:
         return f"held by friction up to {self.clamp_force:g} N a yarn"
 
     def __post_init__(self):
-        positive(self, "clamp_force")
+        check_fields(self)
 
 
 Boundary: TypeAlias = str | PullIn | Grip | tuple  # in any form that `sides` takes

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from math import inf
 from typing import Annotated, Any
 
-from fabrics.base.checks import not_negative, positive, refuse
+from fabrics.base.fields import check_fields, finite
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import described, key, number, whole
 
@@ -129,8 +128,8 @@ class Numerics(NumericsKeys):
         plies where other processes use the processor (`loop.driver`). No result depends on it
     """
 
-    clear_time: float = 2e-6
-    block: int = 2000
+    clear_time: Annotated[float, finite(gt=0.0)] = 2e-6
+    block: Annotated[int, finite(gt=0.0)] = 2000
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -138,13 +137,4 @@ class Numerics(NumericsKeys):
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     def __post_init__(self):
-        positive(self, "cfl", "penalty", "clear_time", "block")
-        not_negative(self, "stretch_viscosity", "contact_damping")
-        if not 1 < self.erosion_gap < inf:
-            refuse(self, "erosion_gap", "above 1, the length at rest")
-        if self.contact_points is not None and self.contact_points < 1:
-            refuse(self, "contact_points", "at least 1")
-        if self.threads is not None and self.threads < 1:
-            refuse(self, "threads", "at least 1")
-        if self.cfl > 1:
-            refuse(self, "cfl", "at most 1")
+        check_fields(self)

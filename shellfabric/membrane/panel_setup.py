@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Annotated, Any
 
+from fabrics.base.fields import finite, limits
 from fabrics.data_sheet import entries
 from fabrics.fabric import Fabric
+from shellfabric import shot_keys
 from shellfabric.block.block import Backing
 from shellfabric.membrane import boundary
 from shellfabric.membrane.boundary import Boundary
@@ -42,15 +44,15 @@ class PanelSetup(PanelNumbers):
     """
 
     projectile: Projectile = field(default_factory=Projectile)
-    symmetry: str = "quarter"
+    symmetry: Annotated[str, limits(shot_keys.SYMMETRY)] = "quarter"
     boundary: Boundary = "clamped"
     numerics: Numerics = field(default_factory=Numerics)
-    weave_angle: float = 0.0
+    weave_angle: Annotated[float, limits(shot_keys.WEAVE_ANGLE)] = 0.0
     round: bool = False
-    impact_point: tuple[float, float] = (0.0, 0.0)
+    impact_point: Annotated[tuple[float, float], limits(shot_keys.IMPACT_POINT)] = (0.0, 0.0)
     backing: Backing | None = None
-    packed_area: float = entries()["packed_area"].number
-    grading: tuple | None = None
+    packed_area: Annotated[float, finite(gt=0.0, le=1.0)] = entries()["packed_area"].number
+    grading: tuple[tuple[float, float], ...] | None = None
     length_effect: bool = True
 
     def of_ply(self) -> dict[str, Any]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from typing import Annotated
 
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields, finite
 from fabrics.base.frozen import explain_frozen
 from fabrics.data_sheet import entries
 from fabrics.ply_law import PlyLaw
@@ -55,24 +55,14 @@ class PlyContact:
     InputError : a value out of its range
     """
 
-    courant: float = 0.45
-    damping: float = 0.7
-    points: int = 2
-    stiffness: float = 1.0
-    resilience: float = entries()["ply_resilience"].number
+    courant: Annotated[float, finite(gt=0.0)] = 0.45
+    damping: Annotated[float, finite(ge=0.0)] = 0.7
+    points: Annotated[int, finite(ge=1, le=8)] = 2
+    stiffness: Annotated[float, finite(gt=0.0)] = 1.0
+    resilience: Annotated[float, finite(gt=0.0, le=1.0)] = entries()["ply_resilience"].number
 
     def __post_init__(self):
-        for key in ("courant", "stiffness"):
-            if not 0 < getattr(self, key) < inf:
-                raise InputError(key=key, value=getattr(self, key), allowed="above 0")
-        if not 0 < self.resilience <= 1:
-            raise InputError(
-                key="resilience", value=self.resilience, allowed="above 0 and at most 1"
-            )
-        if not 0 <= self.damping < inf:
-            raise InputError(key="damping", value=self.damping, allowed="at least 0")
-        if not 1 <= self.points <= 8:
-            raise InputError(key="points", value=self.points, allowed="1 to 8")
+        check_fields(self)
 
     @property
     def closing_courant(self) -> float:

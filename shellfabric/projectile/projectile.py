@@ -27,6 +27,7 @@ from fabrics.base import sums
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import declared, list_read, list_unread
 from fabrics.base.sourced import assumed_of
@@ -101,6 +102,7 @@ class Projectile(NoseNumbers, BodyNumbers):
     body: str | Bar = "rigid"
 
     def __post_init__(self):
+        check_fields(self)
         if self.shape not in SHAPES:
             raise InputError(key="shape", value=self.shape, allowed=" or ".join(SHAPES))
         self._check_lengths()

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import ceil, inf
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from fabrics.assumed import friction_between_yarns
 from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
+from fabrics.base.fields import check_fields, finite
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import refuse_unread
 from fabrics.families import entries
@@ -70,9 +72,10 @@ class YarnZone:
     friction: float = friction_between_yarns().number
     lateral: float = entries(DATA)["lateral_stiffness"].number
     edge: float = entries(DATA)["edge"].number
-    seed: int | Sequence[int] | None = None
+    seed: Annotated[int | Sequence[int] | None, finite(ge=0)] = None
 
     def __post_init__(self):
+        check_fields(self)
         if not self.width > 0:
             raise InputError(key="zone", value=self.half_width, allowed="above 0")
         if not self.friction >= 0:
@@ -222,16 +225,17 @@ class YarnPanel(Panel):
             if (high - low) * (1 + mirrored) < least:
                 smallest = 1e3 * 0.5 * (least + 1) * spacing
                 allowed = f"at least {smallest:.3g} mm for this nose, in a larger opening"
-                raise self._refuse_zone(allowed)
+                self._refuse_zone(allowed)
         if not self.loose()[i0 + 1 : i1, j0 + 1 : j1].all():
-            raise self._refuse_zone("smaller: an edge of the opening crosses it")
+            self._refuse_zone("smaller: an edge of the opening crosses it")
 
     def _refuse_zone(self, allowed):
-        """The InputError of the zone, which the user need not have given."""
-        given = self.resolved.half_width
-        if given is None:
-            allowed = f"{allowed}; without it {1e3 * self.resolved.width:g} mm are taken"
-        return InputError(key="zone", value=given, allowed=allowed)
+        """Refuse the zone that is given, or say which one is taken where none is."""
+        width = self.resolved.width
+        if self.resolved.half_width is not None:
+            raise InputError(key="zone", value=width, allowed=allowed)
+        message = f"is not given, and {1e3 * width:g} mm does not fit"
+        raise InputError(message, key="zone", allowed=allowed)
 
     @property
     def grid_middle(self) -> tuple[float, float]:

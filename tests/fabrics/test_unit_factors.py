@@ -3,14 +3,19 @@
 import re
 import tomllib
 from fractions import Fraction
+from typing import Annotated
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
 
-from fabrics.base import units
+from fabrics.base import schema, units
 from fabrics.base.errors import InputError
+from fabrics.fabric_tables import FabricFile, Quantity
 from tests.programs import printed
+from weavecell.scenes.coupon import CouponScene
+from weavecell.scenes.impact import Scene
 
 # the same examples in every run
 SAME = settings(
@@ -147,6 +152,108 @@ def test_the_usual_units_need_no_pint():
         "[catalogue.load(name) for name in catalogue.list_names()]; print('pint' in sys.modules)"
     )
     assert printed(code) == "False"
+
+
+# dimensions as pint does not tell them apart: an angle, a share, a count of bits, what is no factor
+SAME_TO_PINT = {
+    "rad": ("%", "ppm", "mm/mm", "dimensionless", "bit", "counts", "AU", "sr", "mm/m", "rad^2"),
+    "": ("rad", "deg", "gon", "turn", "mrad", "sr", "bit", "counts", "dB", "Np"),
+    "1": ("%", "ppm", "rad", "deg", "mm/mm", "sr", "bit", "counts", "dB", "Np"),
+    "1/s": (
+        "rad/s",
+        "rpm",
+        "deg/s",
+        "Bq",
+        "turn/s",
+        "bit/s",
+        "counts/s",
+        "cycles/s",
+        "1/m",
+        "sr Hz",
+    ),
+    "1/m": ("rad/cm", "deg/m", "turn/m", "bit/mm", "sr/m", "gon/mm", "AU/cm", "RIU/m", "Hz", "m"),
+    "m": ("rad m", "m/rad", "deg mm", "mm bit", "mm sr", "m^2", "dB", "counts mm", "turn m", "s"),
+    "K": ("degC", "degF", "celsius", "degRe", "degC/2", "K rad", "dBm", "fahrenheit", "J", "1"),
+    "Pa": ("Pa rad", "Pa/deg", "N/rad", "J/turn", "MPa sr", "N bit/m^2", "N", "J", "dBm", "kg"),
+}
+
+
+@pytest.mark.parametrize("to", SAME_TO_PINT)
+def test_what_pint_takes_for_the_same_dimension_is_refused(to):
+    for unit in SAME_TO_PINT[to]:
+        with pytest.raises(InputError):
+            units.si(f"1 {unit}", to)
+
+
+# a unit for each dimension that a key may have, and none of them twice
+OF_EACH = {
+    "m": "7 mm",
+    "s": "7 us",
+    "kg": "7 g",
+    "N": "7 N",
+    "J": "7 J",
+    "K": "7 K",
+    "Pa": "7 GPa",
+    "m/s": "7 m/s",
+    "rad": "7 deg",
+    "rad/s": "7 rad/s",
+    "": "7 %",
+    "1/s": "7 / s",
+    "1/m": "7 / cm",
+    "kg/m": "700 dtex",
+    "kg/m^3": "1.4 g/cm^3",
+    "N m^2": "1e-6 N m^2",
+}
+KEYS = [
+    (key, field)
+    for model in (Scene, CouponScene, FabricFile)
+    for key, field in schema.entries(model).items()
+    if schema.unit_of(field) or any(isinstance(part, Quantity) for part in field.metadata)
+]
+
+
+@pytest.mark.parametrize("key, field", KEYS, ids=[key for key, _ in KEYS])
+def test_no_key_takes_another_dimension(key, field):
+    """At least ten wrong ones, in a text, and in lists as far as the key takes one."""
+    own = {schema.unit_of(field) or ""}
+    own |= {unit for part in field.metadata if isinstance(part, Quantity) for unit in part.bounds}
+    own |= {""} if "1" in own and schema.unit_of(field) else set()
+    wrong = [text for unit, text in OF_EACH.items() if unit not in own]
+    assert len(wrong) >= 10
+    reader = TypeAdapter(Annotated[field.annotation, *field.metadata])
+    context = {"source": "file", "idealised": True}
+    for text in wrong:
+        for value in (text, [text], [text] * 2, [text] * 3):
+            with pytest.raises((ValidationError, InputError)):
+                reader.validate_python(value, context=context)
+
+
+# what is written = the unit that is meant; "" where no hint is better than one
+SLIPS = {
+    ("m", "MM"): "mm",
+    ("m", "UM"): "um",
+    ("m", "millimtr"): "",
+    ("Pa", "Mpa"): "MPa",
+    ("Pa", "gpa"): "GPa",
+    ("Pa", "parsnip"): "",
+    ("rad", "Grad"): "deg",
+    ("rad", "grad"): "deg",
+    ("m/s", "mps"): "m/s",
+    ("m/s", "M/S"): "m/s",
+    ("kg", "KG"): "kg",
+    ("kg/m", "DTEX"): "dtex",
+    ("kg/m", "dnier"): "denier",
+    ("s", "mics"): "",
+}
+
+
+@pytest.mark.parametrize("to, unit", SLIPS)
+def test_an_unknown_unit_is_named_with_the_one_that_is_meant(to, unit):
+    meant = SLIPS[to, unit]
+    hint = f', did you mean "{meant}"?' if meant else ""
+    with pytest.raises(InputError) as caught:
+        units.si(f"3 {unit}", to)
+    assert f'has an unknown unit, "{unit}"{hint};' in str(caught.value)
 
 
 def test_an_angle_has_a_unit():

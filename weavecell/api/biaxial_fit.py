@@ -37,7 +37,7 @@ from weavecell.report import installed
 from weavecell.results import display, json_file, out_folder
 from weavecell.results.finding import Answer
 from weavecell.results.named_value import NamedValue
-from weavecell.scenes import curves
+from weavecell.scenes import curves, result_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -108,7 +108,10 @@ class BiaxialFitPlan(Plan["BiaxialFitResult"]):
         found = study.fit(self.model, self.tests, self.fitted, self.constants, provenance)
         law = replace(found.law, fitted_data=data_digest(fabric))
         found = replace(found, law=law)
-        return running.save(BiaxialFitResult(fabric, found, self.source, running.wall_time))
+        result = BiaxialFitResult(fabric, found, self.source, running.wall_time)
+        result_keys.check_fabric(result.fabric, fabric, self.source)
+        result.fabric_keys()
+        return running.save(result)
 
 
 def plan_fit(
@@ -156,7 +159,8 @@ def _with_yarn_curve(fabric, text, slack):
     if not separator or family not in (*YARNS, "both"):
         allowed = "warp, weft or both, and a file, such as warp=yarn.csv"
         raise InputError(key="yarn_curve", value=text, allowed=allowed)
-    fitted = curves.yarn_with_foot(path.strip())
+    path = path.strip()
+    fitted = curves.yarn_with_foot(path)
     pairs = {"E": [], "failure_strain": []}
     for m, (name, yarn) in enumerate(zip(YARNS, fabric.weave.yarns)):
         E = yarn.E
@@ -165,6 +169,9 @@ def _with_yarn_curve(fabric, text, slack):
             E = fitted.EA / yarn.A_s
             strain = fitted.failure_strain
             slack[m] = fitted.slack
+            of = f"a {name} yarn of {1e7 * yarn.linear_density:.4g} dtex: check force and strain"
+            result_keys.checked("modulus", f"{1e-9 * E:.5g} GPa", path, of)
+            result_keys.checked("failure_strain", f"{100 * strain:.5g} %", path, of)
         pairs["E"].append(E)
         pairs["failure_strain"].append(strain)
     return fabric.with_yarns(**pairs)
@@ -382,7 +389,7 @@ class BiaxialFitResult(Result):
         lines.append("[compression]")
         for name in ("a", "b"):
             if name in values:
-                lines.append(self._key(name, values[name]))
+                lines.append(self._key(f"compression.{name}", values[name]))
         return "\n".join(lines) + "\n"
 
     def _key(self, key, constant):
@@ -391,7 +398,7 @@ class BiaxialFitResult(Result):
         numbers = [constant.value, constant.low, constant.high]
         value, low, high = (f"{factor * number:.4g}" for number in numbers)
         origin = f"{self.source}, 95 %: {low} to {high} {unit}"
-        return f'{key} = {{ value = "{value} {unit}", source = "{origin}", status = "fitted" }}'
+        return result_keys.entry(key, f"{value} {unit}", origin, self.source, "these tests")
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""

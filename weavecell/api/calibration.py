@@ -19,6 +19,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -44,6 +45,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.results import display, json_file, out_folder, progress
 from weavecell.results.finding import Answer
 from weavecell.results.named_value import NamedValue, tabulate
+from weavecell.scenes import result_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -525,7 +527,7 @@ class CalibrationResult(Result):
         use = "weavecell impact with fabric.law = law.json"
         advice = (
             ("measure the compression of the fabric: calibrate --platen-curve",) if bad else ()
-        ) + (use,)
+        ) + (() if self._refusal else (use,))
         return self._find_answer(
             f"{self.fabric.name}, compression law of the yarns", value, advice=advice, over=over
         )
@@ -533,10 +535,20 @@ class CalibrationResult(Result):
     def _judge_law(self):
         """A line about each constant of the law that is not plausible."""
         numbers = plausible.of_laws((self.calibration.law,), self.mesh.fabric, "law")
+        if self._refusal:
+            return [self._refusal]
+        return list(plausible.judge(numbers))
+
+    @cached_property
+    def _refusal(self):
+        """Why no input file could name the law; "" if one can. What was solved is kept all the same."""
         try:
-            return list(plausible.judge(numbers))
+            fabric = self.mesh.fabric
+            law = self.calibration.law
+            result_keys.check_fabric(replace(fabric, laws=(law, law)), fabric, "3D crossover")
         except InputError as problem:
-            return [str(problem)]
+            return str(problem)
+        return ""
 
     @property
     def assumed(self) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
+from fabrics.base.files import parse_toml
 from weavecell.api import entrance
 from weavecell.api.execution import Execution
 from weavecell.api.result import Result
@@ -215,6 +216,33 @@ def _keywords_of_execution(function, signature):
     return [one.name for one in fields(Execution) if one.name in names]
 
 
+def _with_other_keys(problem, made, folder):
+    """The refusal of a folder to resume from, with the keys in which its input file is another one."""
+    text = getattr(getattr(made, "target", None), "text", None)
+    try:
+        kept = parse_toml((folder / "scene.toml").read_text("utf-8"))
+        given = parse_toml(text) if isinstance(text, str) else kept
+    except (OSError, ValueError):
+        return problem
+    before, now = dict(_values(kept)), dict(_values(given))
+    differ = [key for key in before | now if before.get(key) != now.get(key)]
+    if not differ:
+        return problem
+    shown = [
+        f"{key} {before.get(key, 'left out')}, now {now.get(key, 'left out')}" for key in differ
+    ]
+    return problem.changed(allowed=f"{problem.allowed}; its input file has {'; '.join(shown[:3])}")
+
+
+def _values(table, name=""):
+    """(dotted key, value) of all values of a table of a file."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _values(value, f"{name}{key}.")
+        else:
+            yield f"{name}{key}", value
+
+
 def _run(made: Plan[Found], how: Execution) -> Found:
     if how.resume and how.out is not None:
         before = made.finished(Path(how.out))
@@ -223,6 +251,11 @@ def _run(made: Plan[Found], how: Execution) -> Found:
     inputs: Sequence[object] = ()
     if how.out is not None:
         inputs = made.inputs
+    if how.resume and how.out is not None:
+        try:
+            out_folder.look(how.out, made.files, True, inputs)
+        except InputError as problem:
+            raise _with_other_keys(problem, made, Path(how.out)) from None
     with (
         out_folder.hold(how.out, made.files, how.resume, inputs, made.key) as folder,
         keep_runs(folder, how.resume, made.runs) as runs,

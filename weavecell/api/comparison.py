@@ -17,6 +17,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
+from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.door import option
@@ -219,6 +220,13 @@ def compare(
         with panel.name_problems():
             fired = rows.as_fired(panel.setup)
             strengths.check_places(fired, inputs.read_scatter(), first, count)
+    # but for what a V50 does not read
+    plain = {"strike_velocity": 1.0, "end_time": 1e-3}
+    alike = [inputs.use_one_thread(panel.setup, **plain) for panel in (a, b)]
+    if run_cache.inputs_digest(alike[0]) == run_cache.inputs_digest(alike[1]):
+        names = f"{a.title} and {b.title}"
+        allowed = "two panels that differ: these two are the same set-up"
+        raise InputError(key="target, other", value=names, allowed=allowed)
     return ComparisonPlan(a, b, count, first)
 
 

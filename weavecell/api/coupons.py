@@ -237,7 +237,7 @@ def case_of(target: Fabric | FilePath, test: str | None, options: Mapping[str, A
             known = sorted(
                 {"law", *(key for keys in tables.values() for key in keys)} - {"outputs"}
             )
-            near = nearest(key, known, 0.5)
+            near = nearest(key, known)
             hint = ";"
             if near:
                 hint = f", did you mean {near}?"

@@ -107,7 +107,7 @@ class Execution:
         InputError : any keyword, since `api.command` has taken those of `ResumableKeywords`
         """
         for key, value in options.items():
-            near = nearest(key, cls.__dataclass_fields__, 0.6)
+            near = nearest(key, cls.__dataclass_fields__)
             hint = f", did you mean {near}?" if near else ""
             names = ", ".join(cls.__dataclass_fields__)
             message = f"is not a keyword of {function}{hint or ';'} allowed here: {names}"

@@ -415,7 +415,7 @@ def _unknown(key, value, known, function):
     likely = [
         name for name in known if holds_tables or fields.get(name) is None or fields[name].title
     ]
-    near = nearest(key, likely, 0.6)
+    near = nearest(key, likely)
     hint = ";"
     if near:
         hint = f", did you mean {near}?"

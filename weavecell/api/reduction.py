@@ -19,7 +19,7 @@ Of `weavecell reduce shot`
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,12 +30,14 @@ from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.api import quantities
 from weavecell.api.entrance import public
 from weavecell.api.result import save_to
 from weavecell.api.study_result import DrawnResult
 from weavecell.results import out_folder
+from weavecell.scenes import result_keys
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,6 +50,8 @@ OF_COMPRESSION = (
     "compression.svg",
 )
 OF_SHOT = ("shot.json", "motion.csv", "motion.svg")
+# [-] of the strike energy that the noise of a record may seem to add
+_GAIN = 0.05
 
 
 @public
@@ -111,8 +115,9 @@ def reduce_compression(
         count, file = _pack(text)
         plies.append(count)
         records.append(read(file))
-    if rig is not None:
-        taken_off = read(rig)
+    taken_off = None if rig is None else read(rig)
+    _refuse_alike([*records, taken_off] if taken_off else records)
+    if taken_off:
         records = [one.without(taken_off) for one in records]
     fabric = None
     if isinstance(cell_of, Fabric):
@@ -126,9 +131,23 @@ def reduce_compression(
         cell = {}
         if fabric is not None:
             cell = studies.force_law(cubic[0], fabric.weave.cell_area)
-        return save_to(
-            CompressionRecords(tuple(free), tuple(cubic), gaps, cell, fabric, str(record)), folder
-        )
+        reduced = CompressionRecords(tuple(free), tuple(cubic), gaps, cell, fabric, str(record))
+        # refuses what no fabric file could hold, before anything is written
+        reduced.fabric_keys()
+        if fabric is not None:
+            result_keys.check_fabric(reduced.fabric_of_keys(fabric), fabric, record)
+        return save_to(reduced, folder)
+
+
+def _refuse_alike(records):
+    """Refuse a test that is given twice, under one name or another."""
+    seen: dict[tuple[bytes, bytes], str] = {}
+    for one in records:
+        numbers = one.load.tobytes(), one.closed.tobytes()
+        if numbers in seen:
+            message = f"holds the same numbers as {seen[numbers]}"
+            raise InputError(message, file=one.source, allowed="a record of its own")
+        seen[numbers] = one.source
 
 
 def _pack(text):
@@ -213,17 +232,29 @@ class CompressionRecords(DrawnResult):
             "compression.json": {"format": "weavecell compression 2", **self.summary()},
             "packs.csv": self.to_csv(),
             "platen-curve.csv": f"# {self.record}, smoothed by its law\npressure [MPa], closure [um]\n{curve}",
-            "fabric-keys.toml": self._keys(),
+            "fabric-keys.toml": self.fabric_keys(),
             "compression.svg": None,
         }
 
-    def _keys(self):
-        """The keys of a fabric file that follow."""
+    def fabric_keys(self) -> str:
+        """Write the keys of a fabric file that follow.
+
+        Raises
+        ------
+        InputError : one that the reader of fabric files refuses
+        """
         lines = [f"# from {self.record} by `weavecell reduce compression`"]
         if self.gaps:
             plies, gap = next(iter(self.gaps.items()))
             lines.append(
-                _entry("interlayer_gap", gap, 1e3, "mm", f"packs of 1 and {counted(plies, 'ply')}")
+                _entry(
+                    "interlayer_gap",
+                    gap,
+                    1e3,
+                    "mm",
+                    f"packs of 1 and {counted(plies, 'ply')}",
+                    self.record,
+                )
             )
         if self.cell:
             lines += [
@@ -232,8 +263,26 @@ class CompressionRecords(DrawnResult):
             ]
             lines.append("[compression]")
             for name, unit in (("a", "mm"), ("b", "mm * N^(1/3)")):
-                lines.append(_entry(name, self.cell[name], 0.5e3, unit, "one ply between platens"))
+                lines.append(
+                    _entry(
+                        f"compression.{name}",
+                        self.cell[name],
+                        0.5e3,
+                        unit,
+                        "one ply between platens",
+                        self.record,
+                    )
+                )
         return "\n".join(lines) + "\n"
+
+    def fabric_of_keys(self, fabric: Fabric) -> Fabric:
+        """Return a fabric with these keys in place of its own."""
+        a, b = (0.5 * self.cell[name].value for name in ("a", "b"))
+        law = CompressionLaw(a, b)
+        changed = replace(fabric, laws=(law, law))
+        if not self.gaps:
+            return changed
+        return replace(changed, interlayer_gap=next(iter(self.gaps.values())).value)
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of the module to a folder."""
@@ -264,11 +313,13 @@ class CompressionRecords(DrawnResult):
         return lines
 
 
-def _entry(key, found, factor, unit, source):
+def _entry(key, found, factor, unit, source, record):
     """A line of a fabric file."""
     value, low, high = (f"{factor * each:.4g}" for each in (found.value, found.low, found.high))
     origin = f"{source}, 95 %: {low} to {high} {unit}"
-    return f'{key} = {{ value = "{value} {unit}", source = "{origin}", status = "fitted" }}'
+    return result_keys.entry(
+        key, f"{value} {unit}", origin, record, f"{source}: check which file is which"
+    )
 
 
 def _spread(found, factor):
@@ -332,7 +383,20 @@ def reduce_shot(
         beside = _histories(computed)
     time, displacement = studies.read(record)
     with out_folder.hold(out, OF_SHOT) as folder:
+        if not np.ptp(displacement) > 0:
+            allowed = "that of a projectile which moves"
+            value = f"{displacement[0]:g} m throughout"
+            raise InputError(file=record, key="displacement", value=value, allowed=allowed)
         motion = studies.reduce(time, displacement, weight, highest)
+        advice = "the record: check its columns and the sign of the displacement"
+        strike = motion.velocity[0]
+        if not strike > 0:
+            message = f"gives a strike velocity of {strike:.4g} m/s, of {advice}"
+            raise InputError(message, file=record, allowed="above 0")
+        if motion.velocity[-1] ** 2 > (1 + _GAIN) * strike**2:
+            message = f"is faster at its end, {motion.velocity[-1]:.4g} m/s than at the strike, {strike:.4g} m/s"
+            allowed = "a flight that fabric does not speed up: check its columns"
+            raise InputError(message, file=record, allowed=allowed)
         fastest = float(np.abs(motion.velocity).max())
         quantities.note([plausible.Number("velocity", "record_speed", fastest)], record)
         return save_to(ShotRecord(motion, str(record), beside), folder)

@@ -31,7 +31,7 @@ from fabrics.base.errors import InputError, nearest
 from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
 from fabrics.base.frozen import explain_frozen
-from fabrics.base.schema import entries, unit_of
+from fabrics.base.schema import entries, unit_of, unread, with_tables
 from fabrics.fabric import Fabric
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
@@ -278,7 +278,13 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         if out is not None:
             allowed = "left out of set-ups: an input file, or a fabric, has a report"
             raise InputError(key="out", allowed=allowed)
-        return SetupsPlan(_list_setups(target))
+        setups = _list_setups(target)
+        digests = list(map(run_cache.inputs_digest, setups))
+        for number, digest in enumerate(digests):
+            if (first := digests.index(digest)) < number:
+                message = f"set-up {number + 1} is the same as set-up {first + 1}"
+                raise InputError(message, key="target", allowed="set-ups that differ")
+        return SetupsPlan(setups)
     from weavecell.runs import sweep as studies
     from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths
@@ -292,10 +298,8 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     if quantity != "critical-velocity":
         quantities.refuse_unused({"tolerance": tolerance}, f"with {quantity}")
     width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 16))
-    keys = dict(over.items() if isinstance(over, Mapping) else map(parse, over or ()))
-    if not keys:
-        raise InputError("is missing", key="over", allowed=OVER)
-    for key, values in keys.items():
+    keys: dict[str, list[Any]] = {}
+    for key, values in over.items() if isinstance(over, Mapping) else map(parse, over or ()):
         listed = []
         if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
             listed = [keywords.plain(value) for value in values]
@@ -303,7 +307,10 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             raise InputError(
                 key=f"over, {key}", value=values, allowed="a list of one value or more"
             )
-        keys[key] = listed
+        # a key that is given again has more values
+        keys[key] = keys.get(key, []) + listed
+    if not keys:
+        raise InputError("is missing", key="over", allowed=OVER)
     factors = inputs.table("range")
     for key in keys:
         if key.partition(".")[0] not in Scene.model_fields and key not in factors:
@@ -317,6 +324,11 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         raise InputError("is missing", key=struck, allowed=allowed)
     readers: dict[str, Reader] = {"shot": "sweep", "critical-velocity": "limit", "v50": "v50"}
     reader = readers[quantity]
+    passed = unread(Scene, reader)
+    for key, values in keys.items():
+        if any(passed.get(name) == "" for name in with_tables(key)):
+            allowed = f"left out: {quantity} does not read it, and all rows would be alike"
+            raise InputError(key=f"over, {key}", value=values, allowed=allowed)
     combinations = _combinations(keys, one_at_a_time)
     panels = [_panel(target, Path(out or "."), reader, each) for each in combinations]
     for panel in panels:
@@ -325,7 +337,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         elif quantity == "critical-velocity":
             strengths.require_failure(panel.setup, NO_LIMIT)
     panels = [panel.nominal() for panel in panels]
-    return SweepPlan(
+    plan = SweepPlan(
         tuple(panels),
         tuple(combinations),
         tuple(keys),
@@ -335,6 +347,28 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         first,
         one_at_a_time,
     )
+    _refuse_alike(plan)
+    return plan
+
+
+def _refuse_alike(plan):
+    """Refuse values that make the same set-up twice, by the digest that finds runs again.
+
+    Raises
+    ------
+    InputError : it names a key that makes no difference, or a value that is given twice
+    """
+    seen: dict[str, dict[str, Any]] = {}
+    for changes, of_row in zip(plan.combinations, plan.inputs):
+        digest = run_cache.inputs_digest(of_row)
+        before = seen.setdefault(digest, changes)
+        if before is changes:
+            continue
+        differ = [key for key in changes if changes[key] != before.get(key)]
+        key = (differ or list(changes))[0]
+        other = _say_changes(before)
+        message = f"makes the same set-up as {other}" if differ else "is given twice"
+        raise InputError(message, key=f"over, {key}", value=changes[key])
 
 
 def _one_setup(target):
@@ -419,7 +453,7 @@ def _hint_at_key(name, values):
     known = {"velocity": "projectile.strike_velocity"}
     for key, table in keywords.tables().items():
         known[key] = f"{table}.{key}" if table else key
-    if near := nearest(name, known, 0.7):
+    if near := nearest(name, known):
         return f"is not a key of an input file, did you mean {_over(known[near], listed)}?"
     example = _over("panel.opening", ["150 mm", "200 mm"])
     return f"is not a key of an input file; a key has its table before it, such as {example}"

@@ -197,7 +197,9 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
             words = sys.argv[1:]
         else:
             words = list(arguments)
-        if words and words[0] in weavecell.REMOVED:
+        # "projectile list" is a slip of a command that there is
+        plural = bool(words) and any(name.startswith(f"{words[0]}s ") for name in COMMANDS)
+        if words and words[0] in weavecell.REMOVED and not (plural and words[1:]):
             raise InputError(f"the command {words[0]} was removed: {weavecell.REMOVED[words[0]]}")
         with termination.interrupt_on_sigterm(), door.open_terminal():
             code = program(" ".join(words[:1]))(args=words, standalone_mode=False)

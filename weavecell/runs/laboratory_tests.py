@@ -19,6 +19,7 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.units import refused
 from shellfabric.membrane.indicator import status
+from shellfabric.shot_keys import FASTEST
 from weavecell.runs import go_no_go
 from weavecell.runs.go_no_go import LimitPosterior, Outcomes
 from weavecell.runs.span import Span
@@ -34,20 +35,30 @@ LOG = logging.getLogger("weavecell")
 VELOCITY = "velocity"
 OUTCOME = "outcome"
 RESIDUAL = "residual velocity"
-OUTCOMES = dict.fromkeys(("pp", "partial", "partial penetration", "stopped"), "stopped")
-OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", "perforated"), "perforated")
+STOPPED = "stopped"
+PERFORATED = "perforated"
+OUTCOMES = dict.fromkeys(("pp", "partial", "partial penetration", STOPPED), STOPPED)
+OUTCOMES |= dict.fromkeys(("cp", "complete", "complete penetration", PERFORATED), PERFORATED)
+OUTCOMES |= dict.fromkeys(("stop", "stops", "no perforation"), STOPPED)
+OUTCOMES |= dict.fromkeys(("perforation", "through"), PERFORATED)
+# beginning of a heading that asks for one outcome: (the outcome of yes, of no)
+ASKED = {
+    **dict.fromkeys((PERFORATED, "perforation", "complete"), (PERFORATED, STOPPED)),
+    **dict.fromkeys((STOPPED, "partial"), (STOPPED, PERFORATED)),
+}
+YES = dict.fromkeys(("1", "yes", "y", "true"), True)
+YES |= dict.fromkeys(("0", "no", "n", "false"), False)
 CONFIDENCE = 0.95  # of what is computed less what was tested
 # tests that come again one after the other are a list that was pasted, not chance
 FEWEST_PASTED = 3
-# [m/s] a faster shot in a table of tests is a slip of the unit
-FASTEST = 1000.0
 
 
 def read(path: FilePath) -> DataFrame:
     """Read the shots of a laboratory from a table of users (`fabrics.base.tables`), a row a shot.
 
     The columns are "velocity [m/s]", "outcome" (PP, partial or stopped; CP, complete or perforated)
-    and, where it was measured, "residual velocity [m/s]", in any unit of speed.
+    and, where it was measured, "residual velocity [m/s]", in any unit of speed. In place of the outcome a
+    column "perforated" or "stopped" may have yes or no, 1 or 0.
 
     Returns
     -------
@@ -92,9 +103,7 @@ def _shot_of(table, line, cells):
             raise refusal(name, f"at most {FASTEST:g} m/s, as projectile.strike_velocity")
         return value
 
-    if cells[OUTCOME].lower() not in OUTCOMES:
-        raise refusal(OUTCOME, " or ".join(OUTCOMES))
-    outcome = OUTCOMES[cells[OUTCOME].lower()]
+    outcome = _outcome(cells[OUTCOME].lower(), table.headings[OUTCOME].lower().strip("# "), refusal)
     velocity = speed(VELOCITY)
     residual = nan
     if cells.get(RESIDUAL):
@@ -108,6 +117,21 @@ def _shot_of(table, line, cells):
         OUTCOME: outcome,
         RESIDUAL: residual if outcome == "perforated" else 0.0,
     }
+
+
+def _outcome(word, heading, refusal):
+    """The outcome that a cell says, with yes and no of a heading that asks for one."""
+    if word in OUTCOMES:
+        return OUTCOMES[word]
+    asked = [outcomes for begin, outcomes in ASKED.items() if heading.startswith(begin)]
+    if asked and word in YES:
+        return asked[0][0 if YES[word] else 1]
+    allowed = " or ".join(OUTCOMES)
+    if word in YES:
+        allowed += (
+            f'; {word} stands below a heading that says of what, "{PERFORATED}" or "{STOPPED}"'
+        )
+    raise refusal(OUTCOME, allowed)
 
 
 @dataclass(frozen=True)

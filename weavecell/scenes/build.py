@@ -23,7 +23,7 @@ from fabrics.yarn import WeavingDamage
 from shellfabric.membrane.boundary import Grip, PullIn, SlipKeys
 from shellfabric.projectile.shapes import SHAPES
 from weavecell.scenes import stl_file
-from weavecell.scenes.fabric_table import FabricTable, InlineLaw
+from weavecell.scenes.fabric_table import OF_ONE_FABRIC, FabricTable, InlineLaw
 from weavecell.scenes.impact import ProjectileTable, Scene
 from weavecell.scenes.words import shot_in_words
 
@@ -103,11 +103,14 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     materials: dict[str, Material] = {}
     plies: list[Ply] = []
     for table in panel.ply:
-        named = table.name is not None or table.file is not None
-        own = {}
+        named = table.names_fabric
+        own: dict[str, Any] = {}
         if named:
-            own = {"name": table.name, "file": table.file, "law": "published"}
-        own |= {} if table.law is None else {"law": table.law}
+            # of [fabric] it takes how cells are computed, and nothing that is of another fabric
+            own = {key: FabricTable.model_fields[key].default for key in OF_ONE_FABRIC}
+        for key in OF_ONE_FABRIC:
+            if getattr(table, key) is not None:
+                own[key] = getattr(table, key)
         # plies of one fabric and law share one table of the cell, which takes a second to fill
         if (key := repr(own)) not in materials:
             of_ply = scene.fabric.model_copy(update=own)

@@ -32,6 +32,7 @@ from fabrics.base.files import read_text, replace_whole
 from fabrics.base.units import refused, si
 from fabrics.fabric import Fabric
 from fabrics.fabric_tables import OF_FABRIC
+from fabrics.families.trellis import LEAST_RISE
 from fabrics.pattern import Pattern
 from weavecell.scenes import curves, sheet_names
 from weavecell.scenes.missing_values import BREAKING, Value, complete
@@ -81,6 +82,7 @@ class Draft:
     family: str | None = None
     idealised: bool = False
     remarks: tuple[str, ...] = ()
+    shear_curve: FilePath | None = None
 
     def fabric(self) -> Fabric:
         """Build the Fabric of these values.
@@ -100,6 +102,8 @@ class Draft:
         """The InputError of a key of the fabric file, with where its value comes from."""
         family, _, key = (problem.key or "").rpartition(".")
         value = self.values.get(key)
+        if family == "shear" and self.shear_curve is not None:
+            return problem.changed(file=self.shear_curve, made="fitted to this curve")
         if value is None:
             return problem
         text = getattr(value, family or "warp") or value.warp
@@ -382,12 +386,14 @@ def with_curves(
         shear = curves.picture_frame(frame, fabric.weave.thickness, side)
         # what is wrong with the law is wrong with this curve, not with the values of the draft
         plausible.judge(plausible.of_shear(shear.law, fabric), curve=frame)
-        return _with_shear(draft, shear, f"picture-frame curve, {curves.name_of(frame)}", fitted)
+        return _with_shear(
+            draft, shear, f"picture-frame curve, {curves.name_of(frame)}", fitted, frame
+        )
     if bias is not None:
         fabric = draft.fabric()
         shear = curves.bias_extension(bias, fabric.weave.thickness, strip)
         plausible.judge(plausible.of_shear(shear.law, fabric), curve=bias)
-        return _with_shear(draft, shear, f"bias strip, {curves.name_of(bias)}", fitted)
+        return _with_shear(draft, shear, f"bias strip, {curves.name_of(bias)}", fitted, bias)
     return draft, fitted
 
 
@@ -401,7 +407,7 @@ def _of_specimen(side, strip):
         yield plausible.Number("strip", "strip_length", strip[1])
 
 
-def _with_shear(draft, fit, source, fitted):
+def _with_shear(draft, fit, source, fitted, curve):
     """(The draft with a fitted trellis law, the lines about the fits)."""
     law = fit.law
     remarks = []
@@ -413,13 +419,17 @@ def _with_shear(draft, fit, source, fitted):
         remarks.append(f"the law leaves out {1e-6 * fit.offset:.3g} MPa at the angle zero")
     source = "; ".join([source, *remarks])
     texts = {"G1": f"{1e-6 * law.G1:.6g} MPa", "G2": f"{1e-6 * law.G2:.6g} MPa"}
-    texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{law.gamma2:.6g}"}
+    # a curve of two lines has both at one angle
+    gamma2 = max(law.gamma2, law.gamma1 + LEAST_RISE)
+    texts |= {"gamma1": f"{law.gamma1:.6g}", "gamma2": f"{gamma2:.6g}"}
     shear = {key: (value, source, "fitted") for key, value in texts.items()}
     constants = f"G1 {1e-6 * law.G1:.4g} MPa, G2 {1e-6 * law.G2:.4g} MPa"
     constants += f", gamma1 {degrees(law.gamma1):.3g} deg, gamma2 {degrees(law.gamma2):.3g} deg"
     fitted_law = f"fitted: trellis law {constants}, rms {1e-6 * fit.rms:.3g} MPa"
     line = "; ".join([fitted_law, *remarks])
-    return replace(draft, shear=shear), [*fitted, line]
+    draft = replace(draft, shear=shear, shear_curve=curve)
+    draft.fabric()
+    return draft, [*fitted, line]
 
 
 def left_open(fabric: Fabric, path: FilePath) -> list[str]:

@@ -28,6 +28,7 @@ from fabrics.base.schema import (
     validated,
 )
 from fabrics.yarn import STATUSES
+from shellfabric import shot_keys
 from shellfabric.panel_numbers import UNSTRETCHED, CellNumbers
 from weavecell.scenes import kept_files
 
@@ -154,6 +155,14 @@ class WeavingDamageTable(Table):
         return self
 
 
+LINEAR_DENSITY = one_of(
+    "the linear density that is used where a fabric file has two: `effective`, from the areal density of the "
+    "published runs, or `nominal`, of the data sheet",
+    "effective",
+    "nominal",
+)
+
+
 class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its model_config
     """The fabric of all plies that name no other, its compression law and the model of its unit
     cell. The first two lines are all that most input files need.
@@ -179,15 +188,7 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
         ),
         FileOnly(),
     ] = None
-    linear_density: Annotated[
-        one_of(
-            "the linear density that is used where a fabric file has two: `effective`, from the areal density of the "
-            "published runs, or `nominal`, of the data sheet",
-            "effective",
-            "nominal",
-        ),
-        FileOnly(),
-    ] = "effective"
+    linear_density: Annotated[LINEAR_DENSITY, FileOnly()] = "effective"
     weaving_damage: Annotated[
         WeavingDamageTable | None,
         Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }'),
@@ -214,7 +215,7 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
         MayBeObject(),
     ] = None
     bending: Annotated[
-        quantity("bending stiffness of one yarn", "N m^2", "1e-6 N m^2", zero=True),
+        shot_keys.BENDING,
         Unread("export", "0: a membrane has no bending stiffness"),
         Unread("patch", "left out: the yarns of a patch have no bending stiffness of their own"),
         Unread(
@@ -248,6 +249,10 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
                 forms = "variational or equilibrium"
             raise InputError(key="cell_formulation", allowed=f"{forms} {words} fabric.surface")
         return self
+
+
+# keys of [fabric] that a ply with a fabric of its own does not take, and has itself
+OF_ONE_FABRIC = ("name", "file", "linear_density", "law", "weaving_damage")
 
 
 def anchor_paths(scene: Any, file: FilePath) -> Any:

@@ -32,9 +32,9 @@ from fabrics.base.schema import (
     string,
     tables_in,
     validated,
-    whole,
 )
 from fabrics.materials import IsotropicKeys
+from shellfabric import shot_keys
 from shellfabric.block.block_keys import BlockKeys
 from shellfabric.loop.history_keys import HistoryKeys
 from shellfabric.membrane.numerics import NumericsKeys
@@ -42,7 +42,13 @@ from shellfabric.projectile import shapes
 from shellfabric.projectile.body_numbers import BodyNumbers
 from shellfabric.projectile.shapes import SHAPES, NoseNumbers
 from weavecell.scenes import kept_files, presets, stl_file
-from weavecell.scenes.fabric_table import FabricTable, Reader, check_scene, exactly_one
+from weavecell.scenes.fabric_table import (
+    OF_ONE_FABRIC,
+    FabricTable,
+    Reader,
+    check_scene,
+    exactly_one,
+)
 from weavecell.scenes.panel import PanelTable
 
 
@@ -103,7 +109,7 @@ class ProjectileTable(Table, NoseNumbers, BodyNumbers):  # type: ignore[misc] # 
         StandardShot("0.3 mm"),
     ] = None
     strike_velocity: Annotated[
-        quantity("speed along the line of flight", "m/s", "92.5 m/s", most="1000 m/s"),
+        shot_keys.STRIKE_VELOCITY,
         FileOnly(),
         StandardShot("92.5 m/s"),
         Unread("limit v50"),
@@ -243,23 +249,12 @@ class RunTable(Table):
     }
 
     end_time: Annotated[
-        quantity(
-            "latest end of the run; it ends earlier when the projectile stops (see backing.after_stop) or has "
-            "perforated",
-            "s",
-            "250 us",
-            most="10 ms",
-        ),
+        shot_keys.END_TIME,
         Unread("limit v50 patch"),
     ] = 800e-6
-    elements_per_crossover: whole(
-        "elements along each side of a crossover; if not given, they follow the failure length of the yarns under "
-        "the projectile, and are longer further out ([accuracy](../accuracy.md))",
-        1,
-        8,
-    ) = None
+    elements_per_crossover: shot_keys.ELEMENTS = None
     snapshot_interval: Annotated[
-        quantity("time between the shapes kept for ParaView and the pictures", "s", "10 us"),
+        shot_keys.SNAPSHOT_INTERVAL,
         Unread(OF_MANY),
         NoPlace("export"),
     ] = 1e-5
@@ -418,6 +413,21 @@ class Scene(Table):
                 allowed = "a table [fabric], which may be left out if every [[panel.ply]] has name or file"
                 raise InputError("is missing", key="fabric", allowed=allowed)
             exactly_one(fabric, ("name", "file"), "fabric")
+        named = [ply.names_fabric for ply in panel.ply]
+        for key in OF_ONE_FABRIC if panel.ply else ():
+            taken = any(not ply.names_fabric and getattr(ply, key) is None for ply in panel.ply)
+            if not taken and getattr(fabric, key) is not None and key in fabric.model_fields_set:
+                words = f"left out where each [[panel.ply]] names its fabric or has {key}: no ply takes it"
+                raise InputError(key=f"fabric.{key}", allowed=words)
+        if any(named) and fabric.sets("bending"):
+            words = "left out where a [[panel.ply]] names its fabric: it would be that of all yarns"
+            raise InputError(key="fabric.bending", allowed=words)
+        if panel.grading and self.run.sets("elements_per_crossover"):
+            words = "left out with panel.grading, which says how large the elements are"
+            raise InputError(key="run.elements_per_crossover", allowed=words)
+        if not panel.yarn_failure and self.numerics.sets("erosion_gap"):
+            words = "left out without panel.yarn_failure: no yarn is taken out"
+            raise InputError(key="numerics.erosion_gap", allowed=words)
         if isinstance(panel.opening, tuple):
             smallest = min(panel.opening)
         else:

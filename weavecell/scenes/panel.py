@@ -19,12 +19,10 @@ from pydantic import (
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, placed
 from fabrics.base.schema import (
-    TEXT_OR_TWO,
     NoPlace,
     StandardShot,
     Table,
     Unread,
-    angle,
     as_tuple,
     declared,
     described,
@@ -33,17 +31,17 @@ from fabrics.base.schema import (
     list_read,
     list_unread,
     one_of,
-    quantities,
     quantity,
     string,
     whole,
 )
+from shellfabric import shot_keys
 from shellfabric.impact.strength_keys import StrengthKeys
 from shellfabric.membrane.boundary import SlipKeys
 from shellfabric.panel_numbers import PanelNumbers, ZoneKeys
 from shellfabric.plies.pack_keys import MOST_PLIES, PackKeys
 from weavecell.scenes import presets
-from weavecell.scenes.fabric_table import LAW, Law
+from weavecell.scenes.fabric_table import LAW, LINEAR_DENSITY, Law, WeavingDamageTable
 
 
 class SlipTable(Table, SlipKeys):  # type: ignore[misc] # frozen by its model_config
@@ -74,8 +72,6 @@ _SIDE = (
     '"clamped", "free", { clamp_force = ... }, { pull_in = ..., start = ..., end = ... }, '
     "or a list of two such for its ends"
 )
-# [m] a wider opening is a slip of the unit
-WIDEST = 5.0
 _BOUNDARY = '"clamped", "free", a table of a slipping side for all four, or a table { warp = ..., weft = ... } of sides'
 
 
@@ -114,18 +110,6 @@ class BoundaryTable(SlipTable):  # type: ignore[misc] # frozen by its model_conf
 
 
 Boundary = Annotated[_Text | Annotated[BoundaryTable, Tag("inline")], Discriminator(_kind)]
-
-
-def _opening(value, read):
-    texts = [value]
-    if isinstance(value, list) and len(value) == 2:
-        texts = value
-    sides = [read(text, "m") for text in texts]
-    if not 0 < min(sides) <= max(sides) <= WIDEST:
-        raise ValueError("out of range")
-    if len(sides) == 1:
-        return sides[0]
-    return tuple(sides)
 
 
 _ZONE = {
@@ -197,11 +181,11 @@ class PlyTable(Table):
 
     [[panel.ply]]
     count = 2
+    gap = "0.1 mm"
 
     [[panel.ply]]
     name = "S-726"
     angle = "45 deg"
-    gap = "0.1 mm"
     """
 
     name: string(
@@ -227,18 +211,25 @@ class PlyTable(Table):
         "rad",
         "45 deg",
     ) = 0.0
-    gap: quantity(
-        "clearance to the next ply at rest; if not given `panel.ply_gap`, else the mean of the gaps of both fabrics",
-        "m",
-        "0.12 mm",
-        zero=True,
-    ) = None
+    gap: shot_keys.PLY_GAP = None
     count: whole("number of plies that are alike", 1, MOST_PLIES) = 1
+    linear_density: LINEAR_DENSITY = None
+    weaving_damage: Annotated[
+        WeavingDamageTable | None,
+        Field(description='a table { modulus = 0.9, strength = 0.8, source = "..." }'),
+    ] = None
+
+    @property
+    def names_fabric(self) -> bool:
+        """Whether it has a fabric of its own, and takes nothing from that of [fabric]."""
+        return self.name is not None or self.file is not None
 
     @model_validator(mode="after")
     def _check_one_fabric(self):
         if self.name is not None and self.file is not None:
             raise InputError("give one of panel.ply.name and panel.ply.file")
+        if not self.names_fabric:
+            self.refuse("linear_density", "left out without name and file: [fabric] has it")
         return self
 
 
@@ -263,9 +254,9 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
     synonyms: ClassVar = {
         "size": "opening",
         "layers": "plies",
+        "plys": "plies",
         "clamping": "boundary",
         "edges": "boundary",
-        "friction": "ply_friction",
         "gap": "ply_gap",
     }
 
@@ -278,15 +269,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("patch"),
     ] = None
     opening: Annotated[
-        from_text(
-            float | tuple[float, float],
-            _opening,
-            "side of the square opening of the frame, or both sides; diameter of a round one",
-            f'a length above 0 and at most {WIDEST:g} m, such as "203 mm", or a list of two, along warp and weft',
-            "m",
-            "203 mm",
-            TEXT_OR_TWO,
-        ),
+        shot_keys.OPENING,
         StandardShot("203 mm"),
         Unread("patch"),
     ]
@@ -296,15 +279,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("patch"),
     ] = "rectangular"
     impact_point: Annotated[
-        quantities(
-            "point that the projectile hits, from the middle of the opening along its two sides. If not given: "
-            "the middle, or with resolved yarns a quarter of a spacing beside the crossover there, in both "
-            "directions, in a plane of symmetry 0. A point on the second axis may have the symmetry `half`, one on "
-            "the first `other half`, others off the middle `whole`",
-            "m",
-            "a list of two lengths",
-            '["20 mm", "0 mm"]',
-        ),
+        shot_keys.IMPACT_POINT,
         Field(min_length=2, max_length=2),
         Unread("export", "0"),
         Unread("patch"),
@@ -313,20 +288,11 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Boundary, described("how the yarns end at the frame", _BOUNDARY), Unread("patch")
     ] = "clamped"
     symmetry: Annotated[
-        one_of(
-            "modelled part of the panel; half: x >= 0, for a shot that flies in the plane x = 0 (azimuth 90 deg); "
-            "other half: y >= 0, in the plane y = 0. With resolved yarns a plane is the middle line of a yarn: a "
-            "quarter is struck on a crossover, a half on a yarn; if not given, they have the whole panel. "
-            "If not given: the smallest part that stands for the whole",
-            "quarter",
-            "half",
-            "other half",
-            "whole",
-        ),
+        shot_keys.SYMMETRY,
         Unread("patch"),
     ] = "quarter"
     weave_angle: Annotated[
-        angle("angle of the warp to the sides of the opening", -89, 89, "45 deg"),
+        shot_keys.WEAVE_ANGLE,
         Unread("export", "0: an oblique weave is not exported"),
         Unread("patch"),
     ] = 0.0
@@ -424,6 +390,21 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         if not self.length_effect and self.strength is not None:
             with placed(None, "strength."):
                 self.strength.refuse("gauge_length", "left out with length_effect = false")
+        return self
+
+    @model_validator(mode="after")
+    def _check_gaps_are_between_plies(self):
+        if not self.ply:
+            return self
+        *front, last = self.ply
+        if last.gap is not None and last.count == 1:
+            raise InputError(
+                key="ply.gap", allowed="left out of the last ply, which has none behind it"
+            )
+        if last.count > 1:
+            front.append(last)
+        if self.ply_gap is not None and front and all(ply.gap is not None for ply in front):
+            raise InputError(key="ply_gap", allowed="left out where each [[panel.ply]] has its gap")
         return self
 
     @model_validator(mode="after")

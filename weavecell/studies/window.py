@@ -32,6 +32,7 @@ from fabrics.base import run_cache, sums
 from shellfabric.impact.result import ImpactResult
 from shellfabric.impact.run import run_impact_or_partial
 from shellfabric.impact.setup import ImpactSetup
+from shellfabric.shot_keys import FASTEST
 from weavecell.studies import shot_row
 
 FACTORS = 0.92, 0.96, 1.0, 1.04, 1.08
@@ -171,7 +172,8 @@ def fire_window(result: ImpactResult, **runs: Any) -> Window | None:
     others = []
     for factor in FACTORS:
         if factor != 1:
-            others.append((replace(plain, strike_velocity=factor * velocity),))
+            strike = min(factor * velocity, FASTEST)
+            others.append((replace(plain, strike_velocity=strike),))
     if runs:
         # only the means are wanted: no shapes, no histories along yarns
         rows = run_cache.results(fire, others, **runs)

@@ -1,6 +1,7 @@
 """`weavecell compare`: A against B, on outcomes that are drawn and not computed."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -96,11 +97,12 @@ def test_a_hybrid_that_is_resumed_fires_nothing_again(tmp_path, succeed):
     assert "A, 1 x S-728 + 2 x S-726" in first
 
 
-def test_the_same_panel_is_not_decided_and_differs_by_nothing():
-    found = wc.compare("S-728", "S-728", shots=12)
-    assert found.verdict == "not decided"
-    assert found.difference.value == 0
-    assert found.names == ("A, S-728", "B, S-728")
+def test_the_same_panel_is_refused_before_a_shot():
+    """Also by another velocity or end, which a V50 does not read."""
+    setup = wc.setup("S-728", 100.0)
+    for other in ("S-728", setup, replace(setup, strike_velocity=120.0, end_time=3e-4)):
+        with pytest.raises(InputError, match=r"target, other = 'S-728 and S-728': must be two"):
+            wc.compare("S-728" if other == "S-728" else setup, other, shots=12)
 
 
 def test_b_less_a_is_a_less_b_turned_round():
