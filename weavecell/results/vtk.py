@@ -257,7 +257,7 @@ def read_grid(path: FilePath) -> Any:
     import pyvista
 
     check_size(path, Path(path).stat().st_size, "mesh file")
-    return pyvista.read(path)
+    return pyvista.read(Path(path))
 
 
 def read_series(path: FilePath) -> list[tuple[Path, float]]:
