@@ -21,7 +21,9 @@ ELSEWHERE = {
     "run.outputs",
     "history.report_positions",
     "fabric.weaving_damage.source",
+    "panel.ply.weaving_damage.source",
     "fabric.weaving_damage.status",
+    "panel.ply.weaving_damage.status",
 }
 
 
