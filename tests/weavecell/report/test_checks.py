@@ -130,4 +130,5 @@ def test_a_run_with_an_edge_that_no_point_of_contact_resolves(command, tmp_path,
         # a yarn that has to take the crossing yarns along carries more than a lone one struck at this velocity
         assert smith(yarn, 92.5).tension < summary[f"peak_tension_{name}_N"] < yarn.strength
     assert "Quality checks" in (tmp_path / "out" / "report.html").read_text()
-    assert "checks: doubtful" in printed
+    assert "\nanswer      DOUBTFUL: not decided: " in printed
+    assert "\ndoubts      contact point spacing " in printed

@@ -203,11 +203,12 @@ def test_a_study_says_nothing_of_what_it_passes_over():
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_the_check_of_several_set_ups_says_whose_a_choice_is():
     """What all have is said once; twice and thrice the same plies are named, the third row is not like them."""
-    over = {"panel.plies": [2, 3, 1], "panel.opening": ["20 mm"]}
-    pinned = {"crossovers": "pinned"}
-    size = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True, **pinned)
+    over = {"panel.plies": [2, 3, 1], "panel.opening": ["20 mm"], "panel.crossovers": ["pinned"]}
+    size = wc.sweep("S-720", over=over, quantity="critical-velocity", check=True)
     said = dict(size.said.assumptions)
-    two, three, one = (f"panel plies {n}, panel opening 20 mm" for n in (2, 3, 1))
+    two, three, one = (
+        f"panel plies {n}, panel opening 20 mm, panel crossovers pinned" for n in (2, 3, 1)
+    )
     assert said[f"between plies ({two}; {three})"] == "Friction 0.2, assumed 0.15 to 0.25."
     assert "pass far below" in said[f"crossovers ({one})"]
     assert "pass far below" not in said[f"crossovers ({two}; {three})"]
