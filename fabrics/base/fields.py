@@ -41,7 +41,7 @@ def limits(kind: Any) -> FieldInfo:
     return FieldInfo.from_annotation(kind)
 
 
-def finite(**range_of: float) -> FieldInfo:
+def finite(**range_of: Any) -> FieldInfo:
     """Return the limits gt, ge, lt, le of a finite number that is no key."""
     return limits(number("", 1.0, **range_of))
 

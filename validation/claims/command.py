@@ -62,7 +62,7 @@ def main(
     known = [claim.id for claim in data.load()]
     for name in ids:
         if name not in known:
-            near = nearest(name, known, 0.5)
+            near = nearest(name, known)
             raise InputError(key="claim", value=name, allowed=f"an id, such as {near or known[0]}")
     for topic in set(topics) - set(data.topics()):
         raise InputError(key="--topics", value=topic, allowed=", ".join(data.topics()))
