@@ -43,8 +43,9 @@ from weavecell.report import checks
 from weavecell.report.pictures_style import BLUE, GREEN, ORANGE, RED
 from weavecell.report.plot import Layer, Plot
 from weavecell.results import one_table, out_folder, progress
-from weavecell.results.finding import Answer, Mover
+from weavecell.results.finding import Answer
 from weavecell.results.left_out import SAMPLING, LeftOut, say_nominal
+from weavecell.studies.mover import Mover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -436,7 +437,7 @@ class CriticalVelocityResult(StudyResult):
             )
         if self.v50 is not None:
             value = self.v50.words()
-        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target)}"
+        over = f"{counted(len(limit.shots), 'shot')}: {unknown.say_run(self.target.setup, self.target.is_placed)}"
         moved: tuple[Mover, ...] = ()
         if around is not None:
             value += f"; over assumed data {around.span}"

@@ -19,9 +19,10 @@ from fabrics.base.extras import explain_missing, find_missing
 from shellfabric.membrane.indicator import NOTED
 from weavecell.api.user_warnings import warn_user
 from weavecell.results import display, finding, glossary, keys, one_table
-from weavecell.results.finding import Answer, Mover
+from weavecell.results.finding import Answer
 from weavecell.results.keys import Key
 from weavecell.results.left_out import LeftOut, lines_of
+from weavecell.studies.mover import Mover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -25,8 +25,9 @@ from weavecell.api.run_size import StudySize
 from weavecell.api.study_result import StudyResult
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
-from weavecell.results.finding import Answer, Mover
+from weavecell.results.finding import Answer
 from weavecell.results.left_out import LeftOut, leave_out_drawn
+from weavecell.studies.mover import Mover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

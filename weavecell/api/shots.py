@@ -51,7 +51,7 @@ from weavecell.api.target import list_assumptions, resolve_target
 from weavecell.api.wording import Wording
 from weavecell.report import installed
 from weavecell.results import finding, keys, one_table, out_folder, progress, run_folder
-from weavecell.results.finding import Answer, Mover
+from weavecell.results.finding import Answer
 from weavecell.results.impact import ImpactRecord
 from weavecell.results.impact_shapes import Shape
 from weavecell.results.left_out import (
@@ -62,6 +62,7 @@ from weavecell.results.left_out import (
     say_nominal,
     summarise,
 )
+from weavecell.studies.mover import Mover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -631,7 +632,7 @@ class ShotResult(ImpactRecord, Result):
 
         said = "one run"
         if self.target is not None:
-            said += f": {unknown.say_run(self.target)}"
+            said += f": {unknown.say_run(self.target.setup, self.target.is_placed)}"
         return "; ".join(filter(None, (said, self.widened)))
 
     @property

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from fabrics.base.door import name_options
+from weavecell.studies.mover import DEPENDS, Mover
 
 if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
@@ -23,30 +24,8 @@ if TYPE_CHECKING:
 PLAIN = "plain"
 COLOURED = ("stopped", "perforated", "unstable")
 CLEAR = "no check beyond its limit"
-DEPENDS = "depends"  # outcome of shots that differ
 TONE_OF_DOUBT = "doubtful"
 _SHOWN: ContextVar[tuple[str, ...]] = ContextVar("doubts of the result that is shown", default=())
-
-
-@dataclass(frozen=True)
-class Mover:
-    """What moves an answer.
-
-    Parameters
-    ----------
-    what : in a few words
-    settle : what to measure, give or run, with options as the command line names them
-    moved : [m/s] by which it alone moves the answer; None if that was not computed
-    """
-
-    what: str
-    settle: str = ""
-    moved: float | None = None
-
-    def __str__(self) -> str:
-        if self.moved is None:
-            return self.what
-        return f"{self.what} {self.moved:.3g} m/s"
 
 
 @dataclass(frozen=True)

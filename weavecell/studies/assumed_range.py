@@ -33,8 +33,8 @@ from shellfabric.membrane.boundary import Grip
 from shellfabric.membrane.indicator import DOUBTFUL, status
 from shellfabric.plies.gap import gap_between
 from shellfabric.plies.numerics import PlyContact
-from weavecell.results.finding import Mover
 from weavecell.studies import inputs
+from weavecell.studies.mover import Mover
 
 Ends = dict[str, dict[str, Callable[[ImpactSetup], ImpactSetup]]]
 GAP = "gap between plies"

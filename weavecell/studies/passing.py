@@ -13,10 +13,10 @@ from scipy.special import betaincinv
 from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
-from weavecell.results.finding import DEPENDS
 from weavecell.studies import drawn, strengths, v50
 from weavecell.studies.drawn import Span
 from weavecell.studies.inputs import Scatter
+from weavecell.studies.mover import DEPENDS
 from weavecell.studies.unknown import find_unknown
 
 

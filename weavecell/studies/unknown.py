@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from fabrics import data_sheet
 from fabrics.base.assumed_number import Assumed
@@ -12,9 +12,6 @@ from shellfabric.impact.setup import ImpactSetup
 from weavecell.studies import inputs
 from weavecell.studies.assumed_range import is_given, set_value
 from weavecell.studies.places import ON_WARP, strike_at
-
-if TYPE_CHECKING:
-    from weavecell.api.target import Target
 
 
 class Friction(NamedTuple):
@@ -75,12 +72,12 @@ def choose_nominal(setup: ImpactSetup, placed: bool) -> ImpactSetup:
     return strike_at(setup, ON_WARP)
 
 
-def say_run(target: Target) -> str:
-    """Write what the one run takes of all that nobody gave."""
+def say_run(setup: ImpactSetup, placed: bool) -> str:
+    """Write what the one run takes of all that nobody gave; `placed` as of `choose_nominal`."""
     parts = []
-    if target.setup.crossovers is not None and not target.is_placed:
+    if setup.crossovers is not None and not placed:
         parts.append("on a yarn, half-way from gap to crossover")
-    for name, (low, high) in find_unknown(target.setup).items():
+    for name, (low, high) in find_unknown(setup).items():
         parts.append(f"{FRICTIONS[name].words} {0.5 * (low + high):g}")
     return ", ".join(parts) or "all that matters is given"
 

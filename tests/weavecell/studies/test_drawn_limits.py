@@ -6,9 +6,10 @@ import pytest
 from scipy.stats import beta
 
 import weavecell as wc
-from weavecell.results.finding import Answer, Mover
+from weavecell.results.finding import Answer
 from weavecell.studies import drawn, passing, strengths, unknown, v50
 from weavecell.studies.drawn import LimitPosterior, Outcomes
+from weavecell.studies.mover import Mover
 from weavecell.studies.places import ON_WARP, resolve, strike_at
 
 NAMES = ("place", "friction on the nose")

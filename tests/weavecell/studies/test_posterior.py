@@ -110,12 +110,12 @@ def test_as_many_more_shots_as_are_forecast_bound_v50():
 
 
 def test_intervals_of_drawn_series_hold_v50_and_the_study_decides_as_the_fit():
-    """Of 18 series of 6, 8 and 12 shots at least 15 hold it: fewer have a chance of 1 % at 95 %."""
+    """Of 24 series of 6, 8 and 12 shots at least 20 hold it: fewer have a chance of 1 % at 95 %."""
     random = np.random.default_rng(7)
     held = 0
-    for count, share, number in product((6, 8, 12), (0.012, 0.03), range(3)):
+    for count, share, number in product((6, 8, 12), (0.012, 0.03), range(4)):
         failing = series.V50 * (1 + share * random.standard_normal(count))
-        velocity, hit = list(series.PROTOCOLS.values())[number % 3](failing, random)
+        velocity, hit = list(series.PROTOCOLS.values())[number % 2](failing, random)
         inside, _, width = series._inside(velocity, hit)
         curve = probit.fit(velocity, hit)
         low, high = curve.intervals["V50"]
@@ -123,4 +123,4 @@ def test_intervals_of_drawn_series_hold_v50_and_the_study_decides_as_the_fit():
         if not curve.reason:
             assert inside == (low <= series.V50 <= high)
             assert width == pytest.approx(high - low)
-    assert held >= 15
+    assert held >= 20
