@@ -88,7 +88,7 @@ def test_resume_leaves_a_finished_run_and_a_shorter_one_leaves_nothing_of_it(
     written = (copied / "summary.json").read_text()
     before = names(copied / "panel")
     out = succeed(f"impact {copied}/scene.toml --out results --resume")
-    assert out.endswith("; done before with the same input and code, in results\n")
+    assert out.endswith("results/report.html\ndone before with the same input and code\n")
     assert (copied / "summary.json").read_text() == written
     short = scene("other.toml", outputs='["paraview"]')
     short.write_text(short.read_text().replace('"60 us"', '"20 us"'))
@@ -109,7 +109,7 @@ def test_an_unstable_run_says_where_and_when(unstable):
     code, out, line, _ = unstable
     assert code == 3
     assert re.search(r"at node .* us \(step ", line)
-    assert "unstable" in out
+    assert "UNSTABLE, and no result: " in out
 
 
 def test_an_unstable_run_keeps_what_it_computed(unstable):
@@ -122,7 +122,7 @@ def test_an_unstable_run_keeps_what_it_computed(unstable):
     assert len(record.time) >= 2
     assert np.isfinite(record.velocity).all()
     page = page_of(folder)
-    assert 'class="card unstable"' in page
+    assert 'class="answer unstable"' in page
     assert record.failure_message in page
 
 
@@ -151,7 +151,8 @@ def test_a_view_has_the_whole_panel_and_the_projectile(results):
     folder = results("impact").folder
     file = view.find(folder)
     panel = view.read_shot(folder, file)
-    assert panel.mirrors == (True, True)
+    # half of it is computed: the place that is struck is on one yarn
+    assert panel.mirrors == (False, True)
     assert view.read_shot(folder / "panel.pvd", file).series == panel.series
     last, t = panel.series[-1]
     assert last == file

@@ -6,6 +6,7 @@ import pytest
 from scipy.stats import beta
 
 import weavecell as wc
+from weavecell.results.finding import Answer, Mover
 from weavecell.runs import passing, table
 from weavecell.studies import strengths, unknown
 from weavecell.studies.places import ON_WARP, resolve, strike_at
@@ -31,3 +32,17 @@ def test_nominal_values_are_the_middle_of_what_is_drawn():
     assert known.mean(axis=0) == pytest.approx(0.0, abs=0.02)
     assert nominal.impact_point == strike_at(setup, ON_WARP).impact_point
     assert unknown.choose_nominal(setup, True).impact_point == setup.impact_point
+
+
+def test_what_moves_an_answer_most_is_named_first():
+    """With its number where it is sure."""
+    unlike = (
+        Mover("mesh", "--uncertainty"),
+        Mover("place", "", 3.0, sure=False),
+        Mover("roll", "give it", 8.0),
+    )
+    found = Answer("what", "90 m/s", movers=unlike)
+    assert [one.what for one in found.ranked] == ["roll", "place", "mesh"]
+    rows = dict(found.rows)
+    assert (rows["moved by"], rows["leaves out"]) == ("roll 8 m/s, place", "mesh")
+    assert rows["next"] == "give it; uncertainty=True"

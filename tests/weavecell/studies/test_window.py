@@ -112,7 +112,7 @@ def test_the_uncertainty_of_a_mean_has_the_scatter_on_both_meshes(perforated, ke
 def test_means_are_printed_with_their_standard_error(perforated, key, name):
     shot, summary, _, _ = perforated
     mean, error = (summary["window"][part][key] for part in ("mean", "standard_error"))
-    assert f"{name} {mean:.4g} +- {error:.2g}" in str(shot)
+    assert f"{name} {mean:.4g} +- {error:.2g}" in shot.details()
 
 
 def test_the_shots_of_a_window_lie_about_the_strike_velocity(perforated):
@@ -134,9 +134,9 @@ def test_the_report_has_the_means_and_no_run_of_the_window_is_left(perforated):
 def test_a_perforating_shot_alone_says_that_its_values_jump(perforated):
     alone = wc.impact(perforated[3])
     assert alone.window is None
-    assert "values jump with the velocity" in str(alone)
+    assert "values jump with the velocity" in alone.details()
 
 
 def test_only_a_perforating_shot_without_a_window_says_so(perforated):
     in_flight = wc.impact("S-720", 40.0, opening="60 mm", end_time="10 us")
-    assert "values jump with the velocity" not in str(perforated[0]) + str(in_flight)
+    assert "values jump with the velocity" not in perforated[0].details() + in_flight.details()
