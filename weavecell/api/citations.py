@@ -21,7 +21,7 @@ from fabrics.base.schema import read_toml
 from fabrics.fabric import Fabric
 from weavecell.api.entrance import public
 from weavecell.api.result import Result
-from weavecell.api.target import read_target, resolve_target, unknown_target
+from weavecell.api.target import is_input_file, read_target, resolve_target, unknown_target
 from weavecell.results import provenance, sources
 from weavecell.results.result_folder import KINDS, open_folder
 from weavecell.results.sources import Source
@@ -290,7 +290,7 @@ def _materials(name):
         scene = check_scene(coupons.CouponScene, table, Path(name), "coupon")
         case = build.build(scene, Path(name), name)
         return (case.fabric,), case.laws, text
-    if "fabric" not in table:
+    if not is_input_file(name):
         # a fabric file may have no law yet
         return (catalogue.read(name),), (), ""
     of_shot = read_target(name, Path.cwd(), "shot").setup

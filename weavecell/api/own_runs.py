@@ -111,12 +111,16 @@ def draw(
     """
     from weavecell.runs import table
 
+    named = {} if labels is None else labels
+    texts = isinstance(named, Mapping) and all(isinstance(name, str) for name in named)
+    if not texts or labels == {}:
+        raise InputError(key="labels", value=labels, allowed='a dict such as {"nose": "sphere"}')
     count = quantities.read_whole(shots, "shots", 1)
     first = quantities.read_whole(seed, "seed", 0)
     panel = resolve_target(target, options, "shot", velocity, function="draw", one_shot=True)
     setup = panel.resolved().setup
     with panel.name_problems():
-        return RunTable(tuple(table.draw(setup, count, seed=first, **(labels or {}))))
+        return RunTable(tuple(table.draw(setup, count, seed=first, **named)))
 
 
 @dataclass(frozen=True)

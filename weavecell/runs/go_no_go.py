@@ -36,7 +36,7 @@ STRENGTH = "strength of yarns"  # what is not known of a panel
 PLACE = "place"  # from the gap between yarns to the middle of a crossover
 
 # priors, of which `python -m validation study go-no-go-coverage` shows what they do
-FIRST = 0.5  # [-] deviation of log(middle / guess): guesses 50 % high or 30 % low are expected
+FIRST = 0.7  # [-] deviation of log(middle / guess): guesses twice too high are expected
 SCATTER = 0.06  # [-] median of the scatter: four scenes of drawn panels have .052 to .060
 SPREAD = 0.9  # [-] deviation of its logarithm: with .7 intervals hold .76 to .87 where the scatter is .03 or .12
 REACH = 0.1  # [-] deviation of the slope over the whole range of what is known, before COMMON

@@ -135,7 +135,7 @@ def test_yarns_that_may_be_resolved_cite_what_resolved_ones_do():
 
 def test_a_hybrid_pack_cites_the_laws_of_all_its_plies(tmp_path):
     plies = '[[panel.ply]]\nname = "S-726"\n[[panel.ply]]\nname = "S-728"\n[run]'
-    text = SHOT.replace('file = "sheet.toml"', 'name = "S-726"').replace("[run]", plies)
+    text = SHOT.replace('[fabric]\nfile = "sheet.toml"\n', "").replace("[run]", plies)
     (tmp_path / "hybrid.toml").write_text(text)
     fabrics_of_it, laws, _ = _materials(str(tmp_path / "hybrid.toml"))
     assert [fabric.name for fabric in fabrics_of_it] == ["S-726", "S-728"]

@@ -126,7 +126,7 @@ CALLS = {
     "v50": {"opening": "50 mm"},
     "compare": {"other": "S-728", "opening": "50 mm"},
     "sweep": {
-        "over": {"panel.opening": ["20 mm"], "run.end_time": ["10 us"]},
+        "over": {"panel.opening": ["20 mm"]},
         "quantity": "critical-velocity",
     },
     "patch": {"velocity": "60 m/s"},

@@ -255,8 +255,8 @@ def test_an_attribute_that_does_nothing_cannot_be_set():
 
 def test_a_mistyped_attribute_is_told_what_it_may_mean():
     setup = wc.setup("S-720", 92.5, **SMALL)
-    with pytest.raises(FrozenInstanceError, match="no plys, did you mean plies"):
-        setup.plys = 2
+    with pytest.raises(FrozenInstanceError, match="no plie, did you mean plies"):
+        setup.plie = 2
     with pytest.raises(FrozenInstanceError, match="areal_density cannot be set: it fol"):
         setup.areal_density = 0.3
     assert replace(setup, plies=2).plies == 2

@@ -162,7 +162,8 @@ def test_a_v50_study_prints_each_v50_that_it_found(results):
 def test_a_v50_study_says_what_was_fired_and_what_is_not_drawn(results):
     out = results("v50").out
     assert "projectile: a cylinder of 3 g and 5.5 mm" in out
-    assert "not in these numbers, assumed data: not drawn: failure strain, " in out
+    assert "not in these numbers, mesh: " in out
+    assert "drawn: place, friction between yarns 0.1 to 0.3, " in out
 
 
 def test_a_v50_study_says_what_is_assumed_in_print_and_report(results):
@@ -174,7 +175,7 @@ def test_a_v50_study_says_what_is_assumed_in_print_and_report(results):
 def test_the_report_of_a_v50_study_has_result_assumptions_sources_and_making(results):
     page = page_of(results("v50").folder)
     sections = re.findall(r'<section id="([^"]*)"', page)
-    parts = ["movers", "result", "remarks", "assumptions", "sources", "making", "words"]
+    parts = ["movers", "result", "drawn", "remarks", "assumptions", "sources", "making", "words"]
     assert sections == parts
 
 

@@ -980,7 +980,7 @@ def perforation(pyplot):
 
 @case(pictures_uncertainty.draw_passing)
 def draw_passing(pyplot):
-    unknown = {"friction of crossovers": (0.1, 0.3), "friction of the projectile": (0.0, 0.2)}
+    unknown = {"friction between yarns": (0.1, 0.3), "friction on the nose": (0.0, 0.2)}
     figure = pictures_uncertainty.draw_passing(pyplot, Given(shots=drawn_shots(), unknown=unknown))
     (axis,) = figure.axes
     stopped, through = axis.lines

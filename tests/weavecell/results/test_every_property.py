@@ -38,6 +38,7 @@ PLACES = (
     "shellfabric/membrane/quality.py",
     "weavecell/results",
     "weavecell/studies",
+    "weavecell/runs",
     "weavecell/api",
 )
 

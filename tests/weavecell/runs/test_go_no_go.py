@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from weavecell.runs import difference, go_no_go
+from weavecell.runs import difference, go_no_go, v50
 from weavecell.runs.go_no_go import LEVELS, Outcomes
+from weavecell.studies.inputs import Scatter
 
 NAMES = ("place", "friction between yarns", "friction on the nose")
 SLOPES = np.array([-0.05, 0.13, 0.08])
@@ -163,6 +164,16 @@ def test_a_friction_that_is_known_narrows_as_foretold():
     true = np.ptp(np.quantile(part, (0.05, 0.95))) / np.ptp(np.quantile(middle, (0.05, 0.95)))
     foretold = posterior.cloths((NAMES[1], 0.2)).half / posterior.cloths().half
     assert foretold == pytest.approx(true, abs=0.2)
+
+
+def test_a_study_says_what_narrows_it_most():
+    """Of two frictions that of more weight first; a place narrows no cloth."""
+    posterior = study(14, 32)
+    found = v50.Study((), posterior, Scatter()).narrowing
+    widths = {name: posterior.widths[name] for name in NAMES[1:]}
+    assert [*found] == sorted(widths, key=widths.get, reverse=True)
+    for now, then in found.values():
+        assert then < now == posterior.cloths().half
 
 
 def test_what_is_drawn_is_ranked():

@@ -125,6 +125,11 @@ def test_the_friction_of_noisy_peaks_is_within_its_interval(cell):
     assert all(0.006 < fit.mu_error < 0.022 for fit in fits)
     inside = [fit.mu_interval[0] < MU < fit.mu_interval[1] for fit in fits]
     assert sum(inside) >= 3
+    held = [fit.cohesion_interval[0] < COHESION < fit.cohesion_interval[1] for fit in fits]
+    assert sum(held) >= 3
+    assert fits[0].is_flexible
+    for group in fits[0].groups:
+        assert np.exp(group.logs) == pytest.approx([test.peak for test in group.tests])
     assert not fits[0].doubts
 
 
