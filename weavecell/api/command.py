@@ -24,7 +24,7 @@ from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
-from weavecell.api import entrance
+from weavecell.api import entrance, gone
 from weavecell.api.execution import Execution
 from weavecell.api.result import Result
 from weavecell.api.target import Target
@@ -179,7 +179,7 @@ def command(
         @functools.wraps(plan)
         @out_folder.reading
         def called(*arguments: Any, **options: Any) -> Any:
-            entrance.refuse_gone(plan.__name__, options)
+            gone.refuse_gone(plan.__name__, options)
             given, options = entrance.take(signature, arguments, options)
             check = options.pop("check", False)
             taken = {key: options.pop(key) for key in own if key in options}

@@ -274,7 +274,6 @@ def impact(
     panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
     # bad input is told before the solver is loaded
     from weavecell.studies import assumed_range as ranges
-    from weavecell.studies import inputs, strengths, v50
 
     accuracy = None
     if panel.case is not None and panel.case.scene.accuracy is not None:
@@ -295,6 +294,8 @@ def impact(
     elif count:
         raise InputError(key="draws", value=draws, allowed="left out of several meshes")
     if count:
+        from weavecell.studies import inputs, strengths, v50
+
         seed = quantities.read_whole(1 if seed is None else seed, "seed", 0)
         with panel.name_problems():
             strengths.check_places(v50.as_fired(panel.setup), inputs.read_scatter(), seed, count)
