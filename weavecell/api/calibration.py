@@ -525,9 +525,9 @@ class CalibrationResult(Result):
         over = f"{counted(len(self._stretched), 'path')} of the 3D crossover, {self._forces}, missed by {rms} rms"
         bad = (*self._judge_law(), *law.outside_ends())
         use = "weavecell impact with fabric.law = law.json"
-        advice = (
-            ("measure the compression of the fabric: calibrate --platen-curve",) if bad else ()
-        ) + (() if self._refusal else (use,))
+        advice = (("measure the compression of the fabric between platens",) if bad else ()) + (
+            () if self._refusal else (use,)
+        )
         return self._find_answer(
             f"{self.fabric.name}, compression law of the yarns", value, advice=advice, over=over
         )
