@@ -461,7 +461,7 @@ def number(meaning: str, example: float, *, ranged: bool = False, **limits: Any)
 def _json_limits(limits):
     """Limits of pydantic by their names in a JSON Schema."""
     names = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
-    return {names[name]: value for name, value in limits.items()}
+    return {names[name]: value for name, value in limits.items() if name in names}
 
 
 def _with_range(kind, part, written):
