@@ -45,6 +45,7 @@ OPTIONS = {
     },
     "v50": {
         "batch": [4, 5],
+        "within": ["5 %", 0.1],
         "weibull_shape": [9, 14],
         "modulus_cov": [0.01, 0.02],
         "crimp_cov": [0.01, 0.02],

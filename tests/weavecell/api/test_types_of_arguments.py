@@ -45,6 +45,7 @@ LEAST = {
     "patch": ("S-720", "140 m/s", {"opening": "26 mm"}),
     "reduce_pull_out": ("S-728", "peaks.csv", {"crossings": 10}),
     "reduce_tests": ("tests.csv",),
+    "run": (wc.draw("S-720", 2, velocity="140 m/s", **SMALL),),
     "surface": ("S-720",),
     "sweep": ("S-720", {"over": {"projectile.strike_velocity": ["90 m/s", "140 m/s"]}}),
     "v50": ("S-720", {"opening": "26 mm", "shots": 8}),
@@ -52,6 +53,7 @@ LEAST = {
 # what has no plan: computed at once
 AT_ONCE = {
     "cite": ("S-720",),
+    "draw": ("S-720", 2, {"velocity": "140 m/s", **SMALL}),
     "export": ("S-720", "lsdyna", "deck"),
     "fabric": ("S-720",),
     "fabrics": (),
@@ -321,15 +323,3 @@ def test_a_fabric_is_swept_as_by_its_name():
     by_object = wc.sweep.plan(wc.fabric("S-720"), over=over)
     for named, given in zip(by_name.panels, by_object.panels):
         assert replace(given.setup, snapshot_interval=named.setup.snapshot_interval) == named.setup
-
-
-@pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult")
-def test_limits_that_are_computed_are_compared(monkeypatch):
-    monkeypatch.setattr(ballistic_limit, "_fire", fire)
-    given = {"opening": "50 mm", "elements_per_crossover": 1}
-    a, b = (wc.critical_velocity(name, **given) for name in ("S-720", "S-728"))
-    found = wc.compare(a, b)
-    assert (found.quantity, found.a, found.b) == ("critical-velocity", a, b)
-    assert "\n0 shots" in str(wc.compare(a, b, check=True))
-    with pytest.raises(InputError, match="beside results"):
-        wc.compare(a, b, shots=40)

@@ -56,6 +56,10 @@ BY_HAND = {
         "pressure [MPa]",
         "closed since the first load [µm]",
         "record less curve [µm]",
+        "displacement of the crosshead without slack [mm]",
+        "load [N]",
+        "number of crossings",
+        "peak load [N]",
     },
     "pictures_shot.py": {"energy [J]", "error [%]", "z [mm]", "x [mm]"},
     "pictures_surface.py": {
