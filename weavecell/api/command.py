@@ -25,7 +25,7 @@ from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.files import parse_toml
-from weavecell.api import entrance
+from weavecell.api import entrance, gone
 from weavecell.api.execution import Execution
 from weavecell.api.result import Result
 from weavecell.api.target import Target
@@ -180,7 +180,7 @@ def command(
         @functools.wraps(plan)
         @out_folder.reading
         def called(*arguments: Any, **options: Any) -> Any:
-            entrance.refuse_gone(plan.__name__, options)
+            gone.refuse_gone(plan.__name__, options)
             given, options = entrance.take(signature, arguments, options)
             check = options.pop("check", False)
             taken = {key: options.pop(key) for key in own if key in options}

@@ -12,11 +12,11 @@ import functools
 import inspect
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import isnan
 from typing import Any, ParamSpec, TypeVar, cast
 
-from fabrics.base import door, written
+from fabrics.base import written
 from fabrics.base.errors import InputError
 from fabrics.base.values import plain
 from weavecell.api.result import Result
@@ -24,26 +24,6 @@ from weavecell.api.result import Result
 Parameters = ParamSpec("Parameters")
 Returned = TypeVar("Returned")
 QUANTITY = {"float", "str"}
-_V50 = "v50 answers over all that nobody gave"
-_DRAWN = "all that nobody gave is drawn"
-# {function: {option of earlier versions: what took its place}}, with options as the command line names them
-GONE = {
-    "impact": dict.fromkeys(
-        ("interval", "assumed_range"),
-        "one run is made, and --draws 16 fires 16 drawn shots beside it",
-    ),
-    "critical_velocity": dict.fromkeys(
-        ("interval", "assumed_range"), f"one limit is searched, and {_V50}"
-    ),
-    "v50": {"assumed_range": _DRAWN},
-    "compare": {
-        "quantity": "V50 is compared, over all that nobody gave",
-        "tolerance": "no limit is searched; --shots 32 narrows the difference",
-        "interval": _DRAWN,
-        "assumed_range": _DRAWN,
-    },
-    "sweep": {"interval": f"each row is one run; {_V50}"},
-}
 # what refuses a result itself, with what to do instead
 _COMPUTED = "Fabric"
 
@@ -76,19 +56,6 @@ def take(
     named = {key: plain(value) for key, value in options.items()}
     refuse_others(declared, {**dict(zip(declared, taken)), **named})
     return taken, named
-
-
-def refuse_gone(function: str, names: Iterable[str]) -> None:
-    """Refuse options of earlier versions, and say what took their place.
-
-    Raises
-    ------
-    InputError
-    """
-    for name in names:
-        words = GONE.get(function, {}).get(name)
-        if words is not None:
-            raise InputError(f"was removed: {door.name_options(words)}", key=door.option(name, ""))
 
 
 def refuse_others(declared: Mapping[str, str], given: Mapping[str, object]) -> None:

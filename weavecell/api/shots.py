@@ -256,10 +256,6 @@ def impact(
     ('in flight', 148)
     """
     panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
-    # bad input is told before the solver is loaded
-    from weavecell.runs import table
-    from weavecell.studies import inputs, strengths
-
     accuracy = None
     if panel.case is not None and panel.case.scene.accuracy is not None:
         wanted = panel.case.scene.accuracy
@@ -279,6 +275,9 @@ def impact(
     elif count:
         raise InputError(key="draws", value=draws, allowed="left out of several meshes")
     if count:
+        from weavecell.runs import table
+        from weavecell.studies import inputs, strengths
+
         seed = quantities.read_whole(1 if seed is None else seed, "seed", 0)
         with panel.name_problems():
             strengths.check_places(table.as_fired(panel.setup), inputs.read_scatter(), seed, count)

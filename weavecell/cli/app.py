@@ -237,13 +237,15 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
 
 def _explain(problem, words):
     """The line of a problem with options; one of earlier versions says what took its place."""
-    from weavecell.api import entrance
-
     name = getattr(problem, "option_name", "").removeprefix("--").removeprefix("no-")
+    if not name:
+        return " ".join(problem.format_message().split())
+    from weavecell.api import gone
+
     called = next((word for word in words if word in COMMANDS), "")
     try:
         with door.open_terminal():
-            entrance.refuse_gone(called.replace("-", "_"), [name.replace("-", "_")])
+            gone.refuse_gone(called.replace("-", "_"), [name.replace("-", "_")])
     except InputError as removed:
         return str(removed)
     return " ".join(problem.format_message().split())

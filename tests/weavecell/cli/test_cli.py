@@ -15,7 +15,7 @@ from fabrics import backings, catalogue, metals, projectiles
 from fabrics.base.errors import InputError
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
-from weavecell.api import entrance
+from weavecell.api import gone
 from weavecell.cli import app, from_signature
 
 
@@ -297,13 +297,13 @@ def test_show_of_a_bullet_in_a_file_says_how_its_mass_differs(command, succeed, 
     assert err.startswith("error: mine.toml:3: mass = '5 g': must be that of the drawing")
 
 
-GONE = [(name, option) for name, options in entrance.GONE.items() for option in options]
+GONE = [(name, option) for name, options in gone.GONE.items() for option in options]
 
 
 @pytest.mark.parametrize("function, option", GONE)
 def test_an_option_of_an_earlier_version_says_what_took_its_place(function, option, command):
     """At both doors, switched on or off; the function has it no more."""
-    words = entrance.GONE[function][option]
+    words = gone.GONE[function][option]
     assert option not in inspect.signature(getattr(weavecell, function)).parameters
     named = option.replace("_", "-")
     others = ["S-728"] if function == "compare" else []

@@ -60,8 +60,10 @@ def test_no_message_has_an_option_of_the_command_line_in_it():
         for path in (ROOT / folder).glob("*.py"):
             code = re.sub(r'"""[\s\S]*?"""|#.*', "", path.read_text())
             for text in re.findall(r'"[^"\n]*--[a-z][^"\n]*"', code):
+                # what is kept in files, and named by `door.name_options` when it is shown
+                kept = path.name == "gone.py" or re.fullmatch(r'"--[a-z-]+( \d+)?"', text)
                 # commands are quoted, and arguments of git begin so
-                if "`--" not in text and path.name != "provenance.py":
+                if "`--" not in text and path.name != "provenance.py" and not kept:
                     found.append((path.name, text))
     assert found == []
 

@@ -1,0 +1,42 @@
+"""Options of earlier versions, and what took their place; nothing else is loaded to say so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from fabrics.base import door
+from fabrics.base.errors import InputError
+
+_V50 = "v50 answers over all that nobody gave"
+_DRAWN = "all that nobody gave is drawn"
+# {function: {option of earlier versions: what took its place}}, with options as the command line names them
+GONE = {
+    "impact": dict.fromkeys(
+        ("interval", "assumed_range"),
+        "one run is made, and --draws 16 fires 16 drawn shots beside it",
+    ),
+    "critical_velocity": dict.fromkeys(
+        ("interval", "assumed_range"), f"one limit is searched, and {_V50}"
+    ),
+    "v50": {"assumed_range": _DRAWN},
+    "compare": {
+        "quantity": "V50 is compared, over all that nobody gave",
+        "tolerance": "no limit is searched; --shots 32 narrows the difference",
+        "interval": _DRAWN,
+        "assumed_range": _DRAWN,
+    },
+    "sweep": {"interval": f"each row is one run; {_V50}"},
+}
+
+
+def refuse_gone(function: str, names: Iterable[str]) -> None:
+    """Refuse options of earlier versions, and say what took their place.
+
+    Raises
+    ------
+    InputError
+    """
+    for name in names:
+        words = GONE.get(function, {}).get(name)
+        if words is not None:
+            raise InputError(f"was removed: {door.name_options(words)}", key=door.option(name, ""))
