@@ -526,7 +526,7 @@ class CalibrationResult(Result):
         bad = (*self._judge_law(), *law.outside_ends())
         use = "weavecell impact with fabric.law = law.json"
         advice = (
-            ("measure the compression of the fabric: calibrate --platen-curve",) if bad else ()
+            ("measure the compression of the fabric between platens",) if bad else ()
         ) + (() if self._refusal else (use,))
         return self._find_answer(
             f"{self.fabric.name}, compression law of the yarns", value, advice=advice, over=over
