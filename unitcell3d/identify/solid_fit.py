@@ -60,7 +60,7 @@ from unitcell3d.identify.solid_record import (
     with_solid_laws,
 )
 
-BOUNDS = np.log([1e6, 1e-3, 1e-5]), np.log([1e12, 10.0, 0.5])
+BOUNDS = np.log([1e6, 1e-3, 3e-5]), np.log([1e12, 10.0, 0.5])
 PRESSURE_ERROR = 0.15  # relative
 # [-] of the greatest load: what a load cell and a mesh can tell
 LOAD_RESOLUTION = 1e-3

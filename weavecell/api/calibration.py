@@ -455,8 +455,9 @@ def fractions_note(built: meshes.MeshResult, used: str) -> str:
     stated = [law.Vf0 for law in built.fabric.solid_laws or ()]
     if all(abs(mesh / own - 1) <= FRACTIONS_ALIKE for mesh, own in zip(meshed, stated)):
         return ""
+    whose = "assumed are" if "solid" in built.fabric.assumed else "the fabric states"
     return (
-        f"note: the sections of the mesh have fibre fractions of {_pair(meshed)}, the fabric states {_pair(stated)}: "
+        f"note: the sections of the mesh have fibre fractions of {_pair(meshed)}, {whose} {_pair(stated)}: "
         f"the solid law has those {WHOSE[used]}, and its V_c counts from there"
     )
 

@@ -123,3 +123,21 @@ def test_a_cell_that_shots_do_not_have_is_handed_on_as_a_surface(tmp_path):
     for m, limit in ((1, 850), (2, 80)):
         read = table.values[f"N{m}"][near[0], near[1]]
         assert read == pytest.approx(float(state[f"N{m}"]), abs=0.01 * limit)
+
+
+def test_a_constant_that_is_kept_though_the_tests_exclude_it_is_a_doubt(tmp_path):
+    """b of the catalogue is no third of that which made the tests; with its own it is none. Three fitted ratios are not
+    told to try another."""
+    text = lines(CellModel(CLOTH, (LAW, LAW)), even=(1, 1), across=(0.5, 1), along=(1, 0.4))
+    (tmp_path / "tests.csv").write_text(text)
+    for b, doubted in ((0.3 * LAW.b, True), (LAW.b, False)):
+        law = CompressionLaw(LAW.a, b)
+        given = replace(CLOTH, laws=(law, law))
+        found = wc.calibrate(given, biaxial=tmp_path / "tests.csv", constants="a")
+        assert ("the tests exclude the b that was kept: fit a and b" in found.doubts) == doubted
+    loose = [
+        one
+        for one in wc.calibrate(CLOTH, biaxial=tmp_path / "tests.csv").lines()
+        if "do not determine" in one
+    ]
+    assert not any("another ratio" in line for line in loose)

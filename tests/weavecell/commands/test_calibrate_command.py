@@ -10,7 +10,7 @@ pytest.importorskip("dolfinx")
 
 
 import weavecell as wc
-from fabrics import catalogue
+from fabrics import assumed, catalogue
 from fabrics.compression import CompressionLaw
 from fabrics.surface import ResponseSurface
 from meshing.session import gmsh_session
@@ -230,6 +230,12 @@ def test_fibre_fractions_that_differ_are_said():
             note = calibration.fractions_note(built, used)
             assert bool(note) == bool(numbers)
             assert all(words in note for words in (*numbers, whose)) == bool(numbers)
+            assert ("the fabric states" in note) == bool(numbers)
+    bare = replace(catalogue.load("S-726"), solid_laws=None)
+    note = calibration.fractions_note(
+        wc.mesh(assumed.with_solid_laws(bare), mesh=(2, 2, 1)), "mesh"
+    )
+    assert "assumed are 0.660 / 0.660" in note
 
 
 def test_a_fitted_solid_belongs_to_the_fraction_of_the_mesh(command, tmp_path):

@@ -70,6 +70,22 @@ def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
         assert found["fabric's data (Table 4-1): gamma1 [rad]"] == 0.24
 
 
+def test_a_tension_that_no_yarn_bears_is_a_doubt(run):
+    """Fibres do not fail on a path of given displacements: S-720 has yarns of 316 N."""
+    code, out, err, content, record = run("biaxial", "--end-displacement '34 um'")
+    assert record["T1"].max() > 1.05 * 316
+    assert "tension beyond the strength" in content["doubts"]
+    assert "tension beyond the strength" not in run("biaxial", CASES["biaxial"])[3].get(
+        "doubts", ""
+    )
+
+
+def test_a_pressure_that_is_not_reached_is_a_doubt(run):
+    content, record = run("platens", "--pressure '2 GPa'")[3:]
+    assert record["pressure"][-1] < 1e9
+    assert "pressure not reached" in content["doubts"]
+
+
 def test_a_failed_case_keeps_what_it_computed(run):
     code, _, err, content, record = run("path", CASES["path"], path=CRUSHED)
     assert code == 3
