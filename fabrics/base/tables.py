@@ -63,6 +63,27 @@ SYNONYMS = {
     "outcome": ("result", "penetration"),
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
+    # of biaxial machines
+    "test": ("specimen", "sample", "strain ratio", "load ratio", "ratio"),
+    "warp strain": ("strain warp", "strain in warp", "warp elongation"),
+    "weft strain": (
+        "strain weft",
+        "strain in weft",
+        "weft elongation",
+        "fill strain",
+        "strain fill",
+    ),
+    "warp load": ("load warp", "warp tension", "tension warp", "warp force", "force warp"),
+    "weft load": (
+        "load weft",
+        "weft tension",
+        "tension weft",
+        "weft force",
+        "force weft",
+        "fill load",
+        "fill tension",
+        "fill force",
+    ),
     # of data sheets
     "key": ("property", "characteristic", "parameter"),
     "warp": ("ends",),

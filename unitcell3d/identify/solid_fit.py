@@ -28,7 +28,8 @@ Intervals come from the covariance (`solid_record`). Since its Jacobian is that 
 a constant that is not determined goes far from it, two points are also sought on each principal
 direction of the covariance where the sum of squares itself has risen by what 95 % allow,
 F(1, n - p - 1) s^2: `SolidFit.limits`, from which the intervals of what follows from the constants
-are taken.
+are taken. An interval of a constant is at least as wide as the two points of all directions make it,
+added as squares, and has no end where one of them was not found.
 """
 
 from __future__ import annotations
@@ -336,7 +337,8 @@ class _Fit:
         return found
 
     def limits(self, found):
-        """(x low, x high) on each principal direction of the covariance of the free constants."""
+        """((x low, whether it is open), (x high, ...)) on each principal direction of the covariance of the
+        free constants."""
         jacobian = found.jacobian[:, self.free]
         _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
         least = np.sum(found.residual**2)
@@ -355,20 +357,22 @@ class _Fit:
         return found_limits
 
     def _limit(self, x, direction, wanted, length):
-        """Where the sum of squares along a direction from x is as `wanted`, or as far as is
-        sought."""
+        """Where the sum of squares along a direction from x is as `wanted`, or as far as is sought, where
+        the direction is open."""
         rooms = np.where(direction > 0, BOUNDS[1] - x, x - BOUNDS[0]) / np.maximum(
             np.abs(direction), 1e-12
         )
         farthest = min(FARTHEST, float(rooms.min()))
         if length < min(LINEAR, farthest):
-            return x + length * direction
+            return x + length * direction, False
         length = min(length, farthest)
+        is_open = False
         inside = 0.0
         outside = np.inf
         for _ in range(SEARCH):
             square = float(np.sum(self.evaluate(x + length * direction)[0] ** 2))
-            if abs(square / wanted - 1) < NEAR_LIMIT or (square < wanted and length >= farthest):
+            is_open = square < wanted and length >= farthest
+            if abs(square / wanted - 1) < NEAR_LIMIT or is_open:
                 break
             if square < wanted:
                 inside = length
@@ -377,7 +381,7 @@ class _Fit:
             length = 0.5 * (inside + outside)
             if np.isinf(outside):
                 length = min(2 * inside, farthest)
-        return x + length * direction
+        return x + length * direction, is_open
 
     @property
     def work(self):

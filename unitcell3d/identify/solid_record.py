@@ -29,6 +29,9 @@ NAMES = ("E_c", "V_c", "K_r")
 # the modulus of the loose yarn, which a curve may tell where it tells neither factor
 LOOSE = "K_r E_c"
 LEAST_CHECKED = 4  # pressures that a finer mesh has to reach for a misfit
+# of a logarithm: as good as unknown; by what a constant moves along a direction that is open
+UNKNOWN = 50.0
+MOVES = 0.3
 RESOLUTION = 1e-6  # m: what a mesh and an extensometer can tell
 
 
@@ -273,7 +276,7 @@ def record(
         and with_constants
     found : least_squares.Found of all three constants, of the misfit over its errors
     evidence : {"platens": PlatenClosures or None, "pulls": of PulledLoads}
-    limits : of (x low, x high)
+    limits : of ((x low, whether none was found as far as it was sought), (x high, ...))
     sizes : of the two meshes, as texts
     """
     free = list(fit.free)
@@ -285,8 +288,11 @@ def record(
     if kept:
         every = list(range(len(NAMES)))
         half[kept] = _half_widths(found.jacobian, every, fit.freedom)[0][kept]
-    low = np.exp(found.x - half)
-    high = np.exp(found.x + half)
+    down, up = _reaches(found.x, limits)
+    low = np.exp(found.x - np.maximum(half, down[:-1]))
+    high = np.exp(found.x + np.maximum(half, up[:-1]))
+    half = np.maximum(half, np.maximum(down, up)[:-1])
+    ends = -max(loose, down[-1]), max(loose, up[-1])
     value = np.exp(found.x)
     modulus = float(value[0] * value[2])
     shift = np.array([0.0, fit.densest, 0.0])  # V_c itself
@@ -297,19 +303,35 @@ def record(
         pulls=tuple(evidence["pulls"]),
         values=dict(zip(NAMES, map(float, value + shift))) | {LOOSE: modulus},
         intervals={n: (float(a), float(b)) for n, a, b in zip(NAMES, low + shift, high + shift)}
-        | {LOOSE: (modulus * float(np.exp(-loose)), modulus * float(np.exp(loose)))},
+        | {LOOSE: tuple(modulus * float(np.exp(end)) for end in ends)},
         determined={name: bool(width < np.log(2)) for name, width in zip(NAMES, half)}
-        | {LOOSE: bool(loose < np.log(2))},
+        | {LOOSE: bool(max(map(abs, ends)) < np.log(2))},
         free=tuple(names),
         correlation=correlation,
         singular_values=singular,
         directions=directions,
-        limits=tuple((fit.with_constants(a), fit.with_constants(b)) for a, b in limits),
+        limits=tuple((fit.with_constants(a), fit.with_constants(b)) for (a, _), (b, _) in limits),
         met=found.met,
         work=fit.work,
         sizes=sizes,
     )
     return replace(made, fabric=_with_sources(made))
+
+
+def _reaches(x, limits):
+    """How far (4,) ln E_c, ln (V_c - Vf0), ln K_r and ln K_r E_c go down and up over the points that were
+    sought on all directions."""
+    down = np.zeros(4)
+    up = np.zeros(4)
+    for pair in limits:
+        moves = []
+        for end, is_open in pair:
+            move = np.append(end - x, end[0] + end[2] - x[0] - x[2])
+            # what hardly moves along a direction is told though its end is not
+            moves.append(np.where(is_open & (abs(move) > MOVES), np.sign(move) * UNKNOWN, move))
+        down = np.hypot(down, np.max([np.zeros(4), *(-move for move in moves)], axis=0))
+        up = np.hypot(up, np.max([np.zeros(4), *moves], axis=0))
+    return np.minimum(down, UNKNOWN), np.minimum(up, UNKNOWN)
 
 
 def _half_widths(jacobian, free, freedom):
@@ -321,8 +343,7 @@ def _half_widths(jacobian, free, freedom):
     scale = np.maximum(singular, 1e-12)
     student = half[0] / np.hypot.reduce(directions[:, 0] / scale)
     loose = student * np.hypot.reduce(directions @ part / scale)
-    # e^50 is as good as unknown
-    return np.minimum(half, 50), min(float(loose), 50.0)
+    return np.minimum(half, UNKNOWN), min(float(loose), UNKNOWN)
 
 
 def _with_sources(fit):

@@ -140,7 +140,7 @@ def plan_fit(
     from weavecell.studies import biaxial_tests
 
     known = resolve_fabric(fabric)
-    tests = tuple(biaxial_tests.read(path))
+    tests = tuple(biaxial_tests.read(path, known.weave.yarn_spacing))
     names = [test.name for test in tests]
     for name in fitted or ():
         if name not in names:
@@ -157,6 +157,9 @@ def plan_fit(
     laws = None
     if known.laws is None:
         laws = study.first_laws(known, free)
+    if centreline == "cosine" and not known.weave.pattern.is_plain:
+        allowed = f"left out: yarns of a {known.weave.pattern.name} are straight from crossing to crossing"
+        raise InputError(key="centreline", value=centreline, allowed=allowed)
     model = CellModel(known, laws, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
     return BiaxialFitPlan(
         model, tests, tuple(fitted or ()), tuple(dict.fromkeys(free)), curves.name_of(path)

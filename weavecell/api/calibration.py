@@ -287,9 +287,10 @@ def calibrate(
     one ply between flat platens, loading only, at least five rows.
 
     The file of biaxial is a CSV file headed "test, warp strain [%], weft strain [%], warp load [N],
-    weft load [N]": loads of one yarn, a row a state, the name of its test first; the strain of a
-    free direction is empty. Loads are those of the unit cell (`weavecell biaxial`), or with fit_solid
-    those of the 3D crossover; tests that are not fitted are predicted.
+    weft load [N]": loads of one yarn, or per width in N/m, a row a state, the name of its test or its
+    ratio first; the strain of a free direction is empty. Loads are those of the unit cell
+    (`weavecell biaxial`), or with fit_solid those of the 3D crossover; tests that are not fitted are
+    predicted.
 
     Parameters
     ----------
@@ -382,7 +383,7 @@ def calibrate(
         unused = {"platen_curve": platen_curve, "fit_solid": fit_solid or None}
         quantities.refuse_unused(unused, where)
     if biaxial is not None:
-        evidence = _read_evidence(platen_curve, biaxial, fitted, constants)
+        evidence = _read_evidence(fabric, platen_curve, biaxial, fitted, constants)
     elif platen_curve is not None or fit_solid:
         evidence = Evidence(curve_of(fabric, platen_curve))
     if evidence is not None and fibre_fraction == "stated":
@@ -400,12 +401,12 @@ def calibrate(
     return CalibrationPlan(fabric, size, evidence, friction, fraction, assumed_range, named, floats)
 
 
-def _read_evidence(platen_curve, biaxial, fitted, constants):
+def _read_evidence(fabric, platen_curve, biaxial, fitted, constants):
     """The Evidence of a file of biaxial tests, and of a platen curve if there is one."""
     from unitcell3d.identify.solid_record import NAMES as SOLID
     from weavecell.studies import biaxial_tests, solid_tests
 
-    tests = biaxial_tests.read(biaxial)
+    tests = biaxial_tests.read(biaxial, fabric.weave.yarn_spacing)
     chosen = tuple(fitted or ())
     known = [test.name for test in tests]
     for name in chosen:

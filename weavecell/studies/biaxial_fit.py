@@ -265,7 +265,7 @@ class BiaxialFit:
     def checks(self) -> tuple[Indicator, ...]:
         """The indicators of centreline, determination, residuals and predictions."""
         found = []
-        if self.model.centreline == "cosine":
+        if not self.model.straight:
             found.append(judge_centreline(self.model.fabric))
         widest = max((one for one in self.constants if not one.is_start), key=_spread, default=None)
         if widest is not None:
