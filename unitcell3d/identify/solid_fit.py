@@ -29,7 +29,9 @@ a constant that is not determined goes far from it, two points are also sought o
 direction of the covariance where the sum of squares itself has risen by what 95 % allow,
 F(1, n - p - 1) s^2: `SolidFit.limits`, from which the intervals of what follows from the constants
 are taken. An interval of a constant is at least as wide as the two points of all directions make it,
-added as squares, and has no end where one of them was not found.
+added as squares, and has no end where one of them was not found. Those of constants that tests do
+not tell well, whose valley is bent, are those of the profile: where the least sum of squares over the
+other constants has risen by t^2.
 """
 
 from __future__ import annotations
@@ -51,6 +53,7 @@ from unitcell3d.identify.biaxial_states import BiaxialSolver, PulledTest
 from unitcell3d.identify.platen_misfit import POINTS
 from unitcell3d.identify.platen_states import PlatenSolver
 from unitcell3d.identify.solid_record import (
+    LOOSE,
     NAMES,
     RESOLUTION,
     PlatenClosures,
@@ -69,6 +72,12 @@ PASSES = 3
 FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
 SEARCH = 5  # trials on each side of a direction
 NEAR_LIMIT = 0.2  # relative error of the sum of squares that is enough
+# of a logarithm: half widths up to which an interval is that of the covariance; first and furthest way
+# to an end of a profile; steps of the other constants at each place
+STRAIGHT = 0.15
+FIRST_WAY = 1.0
+FURTHEST_WAY = 5.0
+CORRECTIONS = 2
 LINEAR = 0.05  # in a logarithm: within it the sum of squares is that of the covariance
 
 
@@ -111,12 +120,13 @@ def fit_solid(
         before = fit.compute(fit.start())
         found = fit.solve()
         limits = fit.limits(found)
+        profiles = fit.profiles(found) if tests else {}
         shown = fit.compute(found.x, before)
     finally:
         fit.close()
     if check_size is not None:
         shown = _on_mesh(fit, check_size, found.x, shown)
-    return record(fit, found, shown, limits, (str(size), str(check_size)))
+    return record(fit, found, shown, limits, (str(size), str(check_size)), profiles)
 
 
 class _Platens:
@@ -382,6 +392,62 @@ class _Fit:
             if np.isinf(outside):
                 length = min(2 * inside, farthest)
         return x + length * direction, is_open
+
+    def profiles(self, found):
+        """{name: (low, high) of its logarithm, 95 %} of constants, and of K_r E_c, that are not told well
+        enough for the covariance: where the least sum of squares over the others has risen by t^2."""
+        unit = np.eye(len(NAMES))
+        wanted = {name: unit[k] for k, name in enumerate(NAMES) if k in self.free}
+        if {0, 2} <= set(self.free):
+            wanted[LOOSE] = unit[0] + unit[2]
+        student_t = float(student.ppf(0.975, self.freedom))
+        inverse = np.linalg.pinv(found.jacobian[:, self.free], rcond=1e-9)
+        covariance = inverse @ inverse.T
+        ends = {}
+        for name, toward in wanted.items():
+            part = toward[self.free]
+            deviation = float(np.sqrt(part @ covariance @ part))
+            if student_t * deviation < STRAIGHT:
+                continue
+            along = self._full(np.zeros(len(NAMES)), covariance @ part / deviation**2)
+            low, high = (
+                self._profile_end(found, toward, along, side, student_t, deviation)
+                for side in (-1, 1)
+            )
+            ends[name] = low, high
+        return ends
+
+    def _profile_end(self, found, toward, along, side, wanted, deviation):
+        """ln of the constant, toward . x, at an end of its profile; infinite if there is none as far as is
+        sought. `along` is how x moves with it by the covariance."""
+        middle = float(toward @ found.x)
+        least = float(np.sum(found.residual**2))
+        # directions that leave the constant as it is
+        kept = np.linalg.svd(toward[None, self.free])[2][1:]
+            1:
+        ]  # directions that leave the constant as it is
+        x = found.x
+        way = min(wanted * deviation, FIRST_WAY)
+        reached = 0.0
+        for _ in range(SEARCH):
+            x = np.clip(x + side * (way - reached) * along, *BOUNDS)
+            reached = way
+            for _ in range(CORRECTIONS):
+                misfit, jacobian = self.evaluate(x)
+                if not np.isfinite(misfit).all():
+                    return side * np.inf
+                slopes = jacobian[:, self.free] @ kept.T
+                step = np.linalg.lstsq(slopes, -misfit, rcond=1e-6)[0]
+                step *= min(1.0, 0.7 / max(abs(step).max(), 1e-9))
+                x = np.clip(self._full(x, x[self.free] + kept.T @ step), *BOUNDS)
+            misfit = self.evaluate(x)[0]
+            rise = np.sqrt(max(float(np.sum(misfit**2)) - least, 0.0))
+            if abs(rise / wanted - 1) < 0.1:
+                break
+            if rise < wanted and way >= FURTHEST_WAY:
+                return side * np.inf
+            way = min(way * float(np.clip(wanted / max(rise, 1e-3), 0.4, 2.5)), FURTHEST_WAY)
+        return middle + side * reached
 
     @property
     def work(self):

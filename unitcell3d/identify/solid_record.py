@@ -266,7 +266,12 @@ def with_solid_laws(fabric: Fabric, x: ArrayLike, densest: float) -> Fabric:
 
 
 def record(
-    fit: Any, found: Found, evidence: Mapping[str, Any], limits: list, sizes: tuple[str, str]
+    fit: Any,
+    found: Found,
+    evidence: Mapping[str, Any],
+    limits: list,
+    sizes: tuple[str, str],
+    profiles: Mapping[str, tuple[float, float]],
 ) -> SolidFit:
     """Return the SolidFit of a finished fit.
 
@@ -278,6 +283,7 @@ def record(
     evidence : {"platens": PlatenClosures or None, "pulls": of PulledLoads}
     limits : of ((x low, whether none was found as far as it was sought), (x high, ...))
     sizes : of the two meshes, as texts
+    profiles : {name: (low, high) of its logarithm} of constants that have their intervals from those
     """
     free = list(fit.free)
     names = [NAMES[k] for k in free]
@@ -289,10 +295,17 @@ def record(
         every = list(range(len(NAMES)))
         half[kept] = _half_widths(found.jacobian, every, fit.freedom)[0][kept]
     down, up = _reaches(found.x, limits)
-    low = np.exp(found.x - np.maximum(half, down[:-1]))
-    high = np.exp(found.x + np.maximum(half, up[:-1]))
-    half = np.maximum(half, np.maximum(down, up)[:-1])
-    ends = -max(loose, down[-1]), max(loose, up[-1])
+    down = np.maximum(np.append(half, loose), down)
+    up = np.maximum(np.append(half, loose), up)
+    middle = np.append(found.x, found.x[0] + found.x[2])
+    for k, name in enumerate((*NAMES, LOOSE)):
+        if name in profiles:
+            down[k] = min(middle[k] - profiles[name][0], UNKNOWN)
+            up[k] = min(profiles[name][1] - middle[k], UNKNOWN)
+    low = np.exp(found.x - down[:-1])
+    high = np.exp(found.x + up[:-1])
+    half = np.maximum(down, up)[:-1]
+    ends = -down[-1], up[-1]
     value = np.exp(found.x)
     modulus = float(value[0] * value[2])
     shift = np.array([0.0, fit.densest, 0.0])  # V_c itself
