@@ -424,8 +424,6 @@ class _Fit:
         least = float(np.sum(found.residual**2))
         # directions that leave the constant as it is
         kept = np.linalg.svd(toward[None, self.free])[2][1:]
-            1:
-        ]  # directions that leave the constant as it is
         x = found.x
         way = min(wanted * deviation, FIRST_WAY)
         reached = 0.0
