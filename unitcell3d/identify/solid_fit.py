@@ -73,11 +73,10 @@ FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
 SEARCH = 5  # trials on each side of a direction
 NEAR_LIMIT = 0.2  # relative error of the sum of squares that is enough
 # of a logarithm: half widths up to which an interval is that of the covariance; first and furthest way
-# to an end of a profile; steps of the other constants at each place
+# to an end of a profile
 STRAIGHT = 0.15
 FIRST_WAY = 1.0
 FURTHEST_WAY = 5.0
-CORRECTIONS = 2
 LINEAR = 0.05  # in a logarithm: within it the sum of squares is that of the covariance
 
 
@@ -430,16 +429,16 @@ class _Fit:
         for _ in range(SEARCH):
             x = np.clip(x + side * (way - reached) * along, *BOUNDS)
             reached = way
-            for _ in range(CORRECTIONS):
-                misfit, jacobian = self.evaluate(x)
-                if not np.isfinite(misfit).all():
-                    return side * np.inf
-                slopes = jacobian[:, self.free] @ kept.T
-                step = np.linalg.lstsq(slopes, -misfit, rcond=1e-6)[0]
-                step *= min(1.0, 0.7 / max(abs(step).max(), 1e-9))
-                x = np.clip(self._full(x, x[self.free] + kept.T @ step), *BOUNDS)
-            misfit = self.evaluate(x)[0]
-            rise = np.sqrt(max(float(np.sum(misfit**2)) - least, 0.0))
+            misfit, jacobian = self.evaluate(x)
+            if not np.isfinite(misfit).all():
+                return side * np.inf
+            # a step of the other constants, and what it leaves by the linear misfit
+            slopes = jacobian[:, self.free] @ kept.T
+            step = np.linalg.lstsq(slopes, -misfit, rcond=1e-6)[0]
+            step *= min(1.0, 0.7 / max(abs(step).max(), 1e-9))
+            x = np.clip(self._full(x, x[self.free] + kept.T @ step), *BOUNDS)
+            left = float(np.sum((misfit + slopes @ step) ** 2))
+            rise = np.sqrt(max(left - least, 0.0))
             if abs(rise / wanted - 1) < 0.1:
                 break
             if rise < wanted and way >= FURTHEST_WAY:
