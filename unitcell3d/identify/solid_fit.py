@@ -69,14 +69,14 @@ PRESSURE_ERROR = 0.15  # relative
 # [-] of the greatest load: what a load cell and a mesh can tell
 LOAD_RESOLUTION = 1e-3
 PASSES = 3
-FARTHEST = 2.0  # in a logarithm: how far along a direction a limit is sought
-SEARCH = 5  # trials on each side of a direction
+FARTHEST = 1.5  # in a logarithm: how far along a direction a limit is sought
+SEARCH = 4  # trials on each side of a direction
 NEAR_LIMIT = 0.2  # relative error of the sum of squares that is enough
 # of a logarithm: half widths up to which an interval is that of the covariance; first and furthest way
 # to an end of a profile
 STRAIGHT = 0.15
-FIRST_WAY = 1.0
-FURTHEST_WAY = 5.0
+FIRST_WAY = 0.7
+FURTHEST_WAY = 2.5
 LINEAR = 0.05  # in a logarithm: within it the sum of squares is that of the covariance
 
 
