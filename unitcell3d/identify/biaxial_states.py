@@ -10,13 +10,14 @@ d, from the tangent that Newton's method has anyway,
 so that a trial has its Jacobian without another trial. Loads at the measured strains are those of
 monotone cubics between the stations, and of the derivatives by d for what a measured strain is off
 the straight line. The first trial is loaded from rest; the next begin, station by station, with the
-equilibria of an earlier one and their derivatives.
+equilibria of an earlier one and their derivatives. One that is too far for this, as where yarns become
+all but fluid, has no equilibria: what steps there is to take a shorter step, which costs less than to
+load it from rest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,28 +144,37 @@ class BiaxialSolver:
         """Give the factorisation back."""
         self._solver.close()
 
-    def loads(self, x: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+    def loads(
+        self, x: FloatArray, *, from_rest: bool = False
+    ) -> list[tuple[FloatArray, FloatArray]]:
         """Solve a trial: loads (n, 2) [N] of each test at its strains, and derivatives (n, 2, p).
+
+        Parameters
+        ----------
+        from_rest : load it from rest where it is too far from earlier trials
 
         Raises
         ------
         UnstableError : a test finds no equilibrium up to its last strain
         """
         w = self.model.fabric.weave.w
-        return [states.at(test, w) for test, states in zip(self._tests, self.at(x))]
+        return [states.at(test, w) for test, states in zip(self._tests, self.at(x, from_rest))]
 
-    def at(self, x: FloatArray) -> list[PulledStates]:
-        """Solve the equilibria of a trial, of each test.
+    def at(self, x: FloatArray, from_rest: bool = False) -> list[PulledStates]:
+        """Solve the equilibria of a trial, of each test; `from_rest` as of `loads`.
 
         Raises
         ------
-        UnstableError : a test finds no equilibrium up to its last strain
+        UnstableError : a test finds no equilibrium up to its last strain, or a trial is too far from an
+            earlier one
         """
         x = np.asarray(x, float)
         near = min(self._known, key=lambda known: abs(known[0] - x).max(), default=None)
         if near is not None and np.allclose(near[0], x, rtol=0, atol=1e-12):
             return near[1]
         if near is not None and abs(near[0] - x).max() > FAR:
+            if not from_rest:
+                raise UnstableError("a trial too far from those that are known", when=str(x))
             near = None
         self._x = x
         self.model.take_solid_laws(self._with(x))
@@ -196,14 +206,12 @@ class BiaxialSolver:
         last = rest
         for number in range(1, STATIONS + 1):
             load = rest.towards(end, number / STATIONS)
-            found = None
-            if before is not None:
-                with suppress(UnstableError):
-                    found = self._solver.approach(before[number], load)
-            if found is None:
+            if before is None:
                 ((_, found),) = continue_to(
                     self.model, self._solver, rows[-1]["q"], last, load, (1.0,)
                 )
+            else:
+                found = self._solver.approach(before[number], load)
             rows.append(self._row(found, load))
             last = load
         return PulledStates(**{key: np.array([row[key] for row in rows]) for key in rows[0]})

@@ -204,7 +204,7 @@ class _Pulls:
         found = {}
         for test, solver in zip((*self._fitted, *self._others), self.solvers):
             try:
-                found[test.name] = solver.loads(x)[0][0]
+                found[test.name] = solver.loads(x, from_rest=True)[0][0]
             except UnstableError:
                 if test in self._fitted:
                     raise
@@ -418,7 +418,8 @@ class _Fit:
 
     def _profile_end(self, found, toward, along, side, wanted, deviation):
         """ln of the constant, toward . x, at an end of its profile; infinite if there is none as far as is
-        sought. `along` is how x moves with it by the covariance."""
+        sought, that of the covariance if equilibria end before. `along` is how x moves with it by the
+        covariance."""
         middle = float(toward @ found.x)
         least = float(np.sum(found.residual**2))
         # directions that leave the constant as it is
@@ -431,7 +432,7 @@ class _Fit:
             reached = way
             misfit, jacobian = self.evaluate(x)
             if not np.isfinite(misfit).all():
-                return side * np.inf
+                return middle + side * wanted * deviation
             # a step of the other constants, and what it leaves by the linear misfit
             slopes = jacobian[:, self.free] @ kept.T
             step = np.linalg.lstsq(slopes, -misfit, rcond=1e-6)[0]

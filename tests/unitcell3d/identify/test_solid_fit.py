@@ -129,7 +129,7 @@ class ClosedLoads:
         self._test = tests[0]
         self.loaded = self.equilibria = self.tangents = 1
 
-    def loads(self, x):
+    def loads(self, x, from_rest=False):
         steps = 1e-6 * np.eye(3)
         slopes = [(self._at(x + s) - self._at(x - s)) / 2e-6 for s in steps]
         return [(self._at(x), np.stack(slopes, axis=2))]
