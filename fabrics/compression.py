@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from fabrics.weave import Weave
 
 FORMS = ("regularised", "printed")
+# standard deviations from the middle of a normal distribution to the ends of its 95 %
+NORMAL_95 = 1.959963984540054
 
 
 @explain_frozen
@@ -44,8 +46,10 @@ class CompressionLaw:
     residual_rms : [m] of the fit, None if there was none
     F_range : (lowest, highest) [N] force of the fitted samples
     a_interval, b_interval : (low, high) 95 % confidence intervals
-    assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of an assumed
-        solid law that the law was fitted from; None if that was not assumed
+    assumed_range : ((a, b), (a, b)) [m, m N^(1/3)] of the soft and the stiff end of what is not known
+        of the crossover that the law was fitted from; None if all is
+    spread : (variance of ln a, covariance of ln a and ln b, variance of ln b) over the same; None if
+        all is known
     fabric : name of the fabric whose crossover or test it was fitted to; empty of constants that a
         user gives
     fitted_data : digest of the data of that fabric (`variants.data_digest`); empty if it is not
@@ -69,6 +73,7 @@ class CompressionLaw:
     fabric: str = ""
     fitted_data: str = ""
     doubts: str = ""
+    spread: tuple[float, float, float] | None = None
 
     def __post_init__(self):
         not_negative(self, "a", "b")
@@ -105,6 +110,75 @@ class CompressionLaw:
             provenance = f"{self.provenance}; {end} end of the assumed range"
             laws[end] = CompressionLaw(a, b, self.form, provenance)
         return laws
+
+    def slopes_of_compression(self) -> FloatArray:
+        """Compute d ln d / d (ln a, ln b), (2,) [-], the mean over the forces of the fit.
+
+        They add up to 1: a and b that grow alike make every compression grow as much.
+        """
+        low, high = self.F_range or (0.0, self.F0)
+        x = np.linspace(low, high, 102)[1:] / self.F0
+        g = x / 3 * (1 + x) ** (-4 / 3) / (1 - (1 + x) ** (-1 / 3))
+        return np.array([1 + 3 * np.mean(g), -3 * np.mean(g)])
+
+    def with_spread(self, covariance: ArrayLike) -> CompressionLaw:
+        """Return the law with a joint range of a and b, the intervals of 95 % of each, and soft and
+        stiff ends that bracket it at every force.
+
+        At the ends a and b are larger or smaller by one factor, that by which 95 % of the range move
+        the compression, on average over the forces of the fit.
+
+        Parameters
+        ----------
+        covariance : (2, 2) of ln a and ln b, which that of the fit itself is added to
+        """
+        joint = np.array(covariance, float)
+        for k, interval in enumerate((self.a_interval, self.b_interval)):
+            if interval is not None and min(interval) > 0:
+                joint[k, k] += (np.log(interval[1] / interval[0]) / 2 / NORMAL_95) ** 2
+        half = np.exp(NORMAL_95 * np.sqrt(np.diag(joint)))
+        toward = self.slopes_of_compression()
+        factor = float(np.exp(NORMAL_95 * np.sqrt(toward @ np.asarray(covariance) @ toward)))
+        return replace(
+            self,
+            a_interval=(float(self.a / half[0]), float(self.a * half[0])),
+            b_interval=(float(self.b / half[1]), float(self.b * half[1])),
+            assumed_range=(
+                (self.a * factor, self.b * factor),
+                (self.a / factor, self.b / factor),
+            ),
+            spread=(float(joint[0, 0]), float(joint[0, 1]), float(joint[1, 1])),
+        )
+
+    def sample(self, u: ArrayLike) -> CompressionLaw:
+        """Draw a law of the joint range: a and b together. A law without a range is returned as it is.
+
+        Parameters
+        ----------
+        u : (2,) [-] evenly drawn from 0 to 1; (1/2, 1/2) gives this law
+        """
+        if self.spread is None:
+            return self
+        from scipy.special import ndtri
+
+        aa, ab, bb = self.spread
+        normal = ndtri(np.clip(np.asarray(u, float), 1e-6, 1 - 1e-6))
+        root = np.sqrt(aa)
+        slope = ab / root if root > 0 else 0.0
+        of_a = root * normal[0]
+        of_b = slope * normal[0] + np.sqrt(max(bb - slope**2, 0.0)) * normal[1]
+        a, b = self.a * np.exp(of_a), self.b * np.exp(of_b)
+        return replace(self, a=float(a), b=float(b), assumed_range=None, spread=None)
+
+    def holds(self, a: float, b: float) -> bool:
+        """Whether constants lie within the joint range of 95 %; none does of a law without one."""
+        if self.spread is None:
+            return False
+        aa, ab, bb = self.spread
+        off = np.log([a / self.a, b / self.b])
+        # of two normal variables, 95 % lie within this square of the distance: -2 ln 0.05
+        square = off @ np.linalg.pinv(np.array([[aa, ab], [ab, bb]]), rcond=1e-9) @ off
+        return bool(square <= -2 * np.log(0.05))
 
     def outside_ends(self) -> list[str]:
         """Write a line for each end of the assumed range that the law lies outside of, up to the
@@ -274,6 +348,7 @@ class CompressionLaw:
             },
             "assumed_range": self.assumed_range
             and [{"a": f"{a!r} m", "b": f"{b!r} m * N**(1/3)"} for a, b in self.assumed_range],
+            "spread_of_ln_a_ln_b": self.spread,
             "ply_contact": contact and contact.table(),
         }
         if self.doubts:
@@ -304,6 +379,7 @@ class CompressionLaw:
                 str(content.get("fabric", "")),
                 str(content.get("fitted_data", "")),
                 str(content.get("doubts", "")),
+                _triple(content.get("spread_of_ln_a_ln_b")),
             )
 
 
@@ -333,6 +409,10 @@ def check_room(
 
 def _pair(values):
     return values and tuple(values)
+
+
+def _triple(values):
+    return values and tuple(map(float, values))
 
 
 def _read_range(entries, path):

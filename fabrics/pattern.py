@@ -213,6 +213,24 @@ class Pattern:
         warp, weft = (self.find_mirror(family) or 0 for family in range(2))
         return warp, weft
 
+    @cached_property
+    def cell(self) -> tuple[int, int, int]:
+        """(warp yarns, weft yarns, parity) of the least upright cell that repeats along both families: upside
+        down (parity -1) where half the repeat along each does, else as it is (1): 1 x 1 of plain, 2 x 2 of
+        basket 2x2 and twill 2/2."""
+        own = self.matrix
+        warps, wefts = own.shape
+        halves = [(warps // 2, 0)] * (warps % 2 == 0) + [(wefts // 2, 1)] * (wefts % 2 == 0)
+        if len(halves) == 2 and all(np.array_equal(np.roll(own, *half), ~own) for half in halves):
+            return warps // 2, wefts // 2, -1
+        return warps, wefts, 1
+
+    @property
+    def has_groups(self) -> bool:
+        """Whether neighbouring yarns of a family lie alike at all crossings, as in a basket."""
+        own = self.matrix
+        return any(bool((own == np.roll(own, 1, axis)).all(axis=1 - axis).any()) for axis in (0, 1))
+
     @property
     def _changes(self):
         """Whether warp, weft change sides behind each crossing."""

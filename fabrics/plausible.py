@@ -21,6 +21,7 @@ from fabrics.base.errors import AS_WRITTEN, InputError
 from fabrics.base.files import read_data
 from fabrics.base.units import NUMBER, si
 from fabrics.data_sheet import FROM_MASS, FROM_THICKNESS
+from fabrics.families import find_family
 
 if TYPE_CHECKING:
     from fabrics.compression import CompressionLaw
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from fabrics.trellis import TrellisShear
 
 _FAMILIES = ("warp", "weft")
+_GLASS = "E-glass"
 # a number so many times outside of its range is refused, unless its row says otherwise
 REFUSED = 10.0
 # [-] a tenth of a number in decimals may lie this much above the end of a range
@@ -166,7 +168,13 @@ def of_fabric(fabric: Fabric, taken: bool = False) -> list[Number]:
     if fabric.solid_laws is not None and "solid" not in fabric.assumed:
         for family, law in zip(_FAMILIES, fabric.solid_laws):
             where = _where(fabric, "solid", family)
-            numbers += [Number(f"{where}.{name}", name, value) for name, value in vars(law).items()]
+            glass = find_family(_GLASS)
+            of_glass = glass is not None and all(map(glass.holds, fabric.weave.yarns))
+            rows_of = {"K_r": "K_r_of_glass"} if of_glass else {}
+            numbers += [
+                Number(f"{where}.{name}", rows_of.get(name, name), value)
+                for name, value in vars(law).items()
+            ]
     if fabric.strain_rate is not None and "strain_rate" not in fabric.assumed:
         numbers += _of_rates(fabric.strain_rate)
     if fabric.ply_contact is not None:

@@ -103,6 +103,11 @@ class Weave:
         return self.warp, self.weft
 
     @property
+    def yarn_spacing(self) -> tuple[float, float]:
+        """[m] from a warp yarn to the next, from a weft yarn to the next."""
+        return 1 / self.warp_count, 1 / self.weft_count
+
+    @property
     def w1(self) -> float:
         """[m] half the cell along the warp, 1 / (2 weft count) (eq. 4-2)."""
         return 0.5 / self.weft_count

@@ -84,7 +84,7 @@ def build(
         w = plan.weave.w[family]
         stations = (0.0, w) if quarter else (-w, 0.0, w)
         up = 1 - 2 * family
-        yarns.append(Yarn(name, family, up=up, axis=0.0, first=0.0, stations=stations))
+        yarns.append(Yarn(name, family, ups=(-up, up, -up), axis=0.0, first=0.0, stations=stations))
     script = geometry.script(plan, yarns, quarter=quarter, stem="crossover")
     found = assemble(of_script(script, plan.fabric), YARNS, (0, 1), quarter, plan.weave)
     return Crossover(domain=domain, script=script, **found, **plan.fields())

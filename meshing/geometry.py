@@ -52,7 +52,7 @@ Return
 _CALL = """
 name = "{name}";
 family = {family};
-up = {up};
+ups() = {{{ups}}};
 axis = {axis};
 first = {first};
 stations() = {{{stations}}};
@@ -69,7 +69,8 @@ class Yarn:
     ----------
     name : of its physical groups
     family : 0 of a warp, 1 of a weft yarn
-    up : +1 where the yarn is above its middle plane at `first`, -1 where it is below
+    ups : +1 where the yarn is above its middle plane, -1 where it is below: at the crossing before
+        `first`, at all that it has, and at the one behind the last
     axis : [m] place of its centreline across
     first : [m] place of its first crossing along it
     stations : [m] places along, between which it is divided into blocks
@@ -77,7 +78,7 @@ class Yarn:
 
     name: str
     family: int
-    up: int
+    ups: tuple[int, ...]
     axis: float
     first: float
     stations: Sequence[float]
@@ -133,7 +134,7 @@ def script(plan: Plan, yarns: Iterable[Yarn], *, quarter: bool, stem: str) -> st
             _CALL.format(
                 name=yarn.name,
                 family=yarn.family,
-                up=yarn.up,
+                ups=", ".join(map(str, yarn.ups)),
                 axis=repr(float(yarn.axis)),
                 first=repr(float(yarn.first)),
                 stations=_listed(yarn.stations),

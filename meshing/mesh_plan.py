@@ -62,7 +62,8 @@ class Plan:
         InputError : a value is not allowed, a weave that is not plain, or the sections overlap and
             this is refused or cannot be solved
         """
-        fabric.weave.require_plain("solid yarns and the 3D crossover")
+        if shift:  # a patch may float
+            fabric.weave.require_plain("solid yarns and the 3D crossover")
         inputs.one_of("overlap", overlap, ("solve", "refuse"))
         inputs.thickness("end_shells", end_shells)
         fabric = inputs.crimped(fabric, crimp)

@@ -90,7 +90,7 @@ def _groups(plan, yarns):
     """
     meshed = {}
     for yarn in yarns:
-        meshed.setdefault((yarn.family, yarn.up), replace(yarn, axis=0.0))
+        meshed.setdefault((yarn.family, yarn.ups), replace(yarn, axis=0.0))
     script = geometry.script(plan, meshed.values(), quarter=False, stem="patch")
     made = of_script(script, plan.fabric)
     points = []
@@ -98,7 +98,7 @@ def _groups(plan, yarns):
     hexes = {}
     first = 0
     for yarn in yarns:
-        like = meshed[yarn.family, yarn.up].name
+        like = meshed[yarn.family, yarn.ups].name
         moved = made.points.copy()
         moved[:, 1 - yarn.family] += yarn.axis
         used, local = np.unique(made.hexes[like], return_inverse=True)
@@ -120,9 +120,10 @@ def _family(plan, family, count):
     crossings = count[1 - family]
     stations = _centred(2 * crossings + 1, w)
     for number, axis in enumerate(_centred(count[family], spacing)):
-        up = int(plan.weave.pattern.sides(family, number, 0))
+        sides = plan.weave.pattern.sides(family, number, np.arange(-1, crossings + 1))
+        ups = tuple(map(int, sides))
         name = f"{YARNS[family]}_{number + 1}"
-        yield Yarn(name, family, up=up, axis=axis, first=stations[1], stations=stations)
+        yield Yarn(name, family, ups=ups, axis=axis, first=stations[1], stations=stations)
 
 
 def _centred(n, spacing):

@@ -77,7 +77,17 @@ SYNONYMS = {
     "shear angle": ("angle",),
     "pressure": ("compressive stress",),
     # of pull-outs
-    "test": ("specimen", "sample", "test no", "specimen no", "sample no", "repeat"),
+    "test": (
+        "specimen",
+        "sample",
+        "test no",
+        "specimen no",
+        "sample no",
+        "repeat",
+        "strain ratio",
+        "load ratio",
+        "ratio",
+    ),
     "pulled": ("pulled yarn", "yarn pulled", "direction", "yarn"),
     "crossings": (
         "crossovers",
@@ -103,6 +113,26 @@ SYNONYMS = {
         "pull out force",
         "pullout load",
         "pullout force",
+    ),
+    # of biaxial machines
+    "warp strain": ("strain warp", "strain in warp", "warp elongation"),
+    "weft strain": (
+        "strain weft",
+        "strain in weft",
+        "weft elongation",
+        "fill strain",
+        "strain fill",
+    ),
+    "warp load": ("load warp", "warp tension", "tension warp", "warp force", "force warp"),
+    "weft load": (
+        "load weft",
+        "weft tension",
+        "tension weft",
+        "weft force",
+        "force weft",
+        "fill load",
+        "fill tension",
+        "fill force",
     ),
     # of data sheets
     "warp": ("ends",),

@@ -95,8 +95,9 @@ def share_of_work(crossover):
 def length(w, h, yarn, crossover):
     """Compute the length S of a yarn whose centreline has the height h, and dS/dh."""
     if crossover.straight:
-        return straight_arc(w, h)
-    S, dS = arc(w, h)
+        S, dS = straight_arc(w, h)
+    else:
+        S, dS = arc(w, h)
     return floating(S, w, yarn.turning), yarn.turning * dS
 
 
@@ -104,7 +105,7 @@ def length(w, h, yarn, crossover):
 def length_curvature(w, h, yarn, crossover):
     """Compute d2S/dh2 of the same."""
     if crossover.straight:
-        return straight_curvature(w, h)
+        return yarn.turning * straight_curvature(w, h)
     return yarn.turning * arc_curvature(w, h)
 
 
@@ -112,7 +113,7 @@ def length_curvature(w, h, yarn, crossover):
 def slack_height(w, yarn, crossover):
     """Compute the height at which a yarn has its own length S0; 0 if it is stretched flat."""
     if crossover.straight:
-        return straight_free_height(w, yarn.S0)
+        return straight_free_height(w, turning_length(yarn.S0, w, yarn.turning))
     return free_height(w, turning_length(yarn.S0, w, yarn.turning))
 
 
@@ -122,7 +123,7 @@ def contact_force(w, h, yarn, crossover):
     S, dS = length(w, h, yarn, crossover)
     T, dT = tension(S, dS, yarn)
     if crossover.straight:
-        return T * dS, dT * dS + T * straight_curvature(w, h), T
+        return T * dS, dT * dS + T * length_curvature(w, h, yarn, crossover), T
     if crossover.form == EQUILIBRIUM:
         k = 0.5 * math.pi * h / w
         root = math.sqrt(1.0 + k * k)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import sqrt
+from math import hypot, sqrt
 from typing import Any
 
 import numpy as np
@@ -56,7 +56,8 @@ class CellModel:
         forces do is what the cell stores. The forces of equilibrium are no gradient, and do work
         that nothing stores
     centreline : "cosine" (thesis eq. 4-1), of yarns that touch along most of their length, or
-        "straight" from crossing to crossing (Kawabata), of a loose weave
+        "straight" from crossing to crossing (Kawabata), of a loose weave; those of a weave with floats
+        are always straight
     stiffening : [-] growth of a yarn's resistance to compression with its strain e, by the factor
         1 + stiffening e; 0 is the law of `laws` at every strain
     slack : (warp, weft) [-] strain by which the foot of a yarn's tension curve lies off
@@ -112,8 +113,12 @@ class CellModel:
             weave.require_like_crossings(
                 "pinned yarns and the cell of a crossover; shots with crossovers = yarns take others"
             )
-        if self.centreline == "straight":
-            weave.require_plain("yarns that are straight from crossing to crossing")
+
+    @property
+    def straight(self) -> bool:
+        """Whether yarns are straight from crossing to crossing: those of a weave with floats always are, as
+        they nearly are in 3D (docs/weaves.md)."""
+        return self.centreline == "straight" or not self.fabric.weave.pattern.is_plain
 
     @property
     def used_laws(self) -> tuple[CompressionLaw, ...]:
@@ -124,9 +129,13 @@ class CellModel:
 
     @property
     def h0(self) -> tuple[float, ...]:
-        """[m] heights at rest of warp and weft."""
+        """[m] heights at rest of warp and weft.
+
+        With floats they are those of the weave, at which its sections touch: the yarns are slack until
+        they are straight from crossing to crossing.
+        """
         weave = self.fabric.weave
-        if self.centreline == "cosine":
+        if not (self.straight and weave.pattern.is_plain):
             return weave.h0
         return tuple(sqrt((S0 / 2) ** 2 - w**2) for w, S0 in zip(weave.w, weave.S0))
 
@@ -239,12 +248,14 @@ class CellModel:
         if full >= 0.5 * S0 / turning:
             return 0.0
         straight = S0 / (2 * w)
-        if self.centreline == "straight":
+        if self.straight and turning == 1:
             return sqrt((S0 / 2) ** 2 - full**2) / w
 
         def too_long(stretch):
-            straight = (1 - turning) * 2 * stretch * w
-            return turning * arc_length(stretch * w, full) + straight - S0
+            level = (1 - turning) * 2 * stretch * w
+            if self.straight:
+                return turning * 2 * hypot(stretch * w, full) + level - S0
+            return turning * arc_length(stretch * w, full) + level - S0
 
         if too_long(_CLOSED) >= 0:
             return 0.0
@@ -268,7 +279,7 @@ class CellModel:
             gap=self.crossover_gap,
             form=FORMS[self.cell_formulation],
             coupled=self.cell_model != "decoupled",
-            straight=self.centreline == "straight",
+            straight=self.straight,
         )
 
 

@@ -146,8 +146,8 @@ class YarnPatch:
     @cached_property
     def rest(self) -> tuple[FloatArray, FloatArray]:
         """(warp yarns, weft yarns, 2) indices of each crossing on its warp and weft, and (warp yarns, weft
-        yarns) [m] gap between the splines there, at rest. Beyond the rim, at whose height yarns are
-        tied, none floats on."""
+        yarns) [m] gap between the splines there at which the yarns touch. Beyond the rim, at whose
+        height yarns are tied, none floats on."""
         warp, weft = (self._floats(family) for family in range(2))
         heights = self.amplitudes[0] * warp + self.amplitudes[1] * weft.T
         gaps = CROSSING_HEIGHT * sum(self.amplitudes) + FLOATING_HEIGHT * heights
@@ -159,7 +159,7 @@ class YarnPatch:
             yarns = [self._nodes_at_rest(family) for family in range(2)]
             place, distances = find_contacts(yarns[0], yarns[1], place, leaning)
             gaps[leaning] = distances[leaning]
-        return place, gaps
+        return place, gaps * self.touching
 
     def _nodes_at_rest(self, family):
         """(yarns, nodes of a yarn, 3) [m] places of the nodes of a family."""
@@ -178,8 +178,18 @@ class YarnPatch:
 
     @property
     def height_share(self) -> float:
-        """[-] s: height of the splines over that of the cell's cosines."""
-        return self.gap / sum(self.weave.h0)
+        """[-] s: height of the splines over that of the cell's centrelines."""
+        if self.weave.pattern.is_plain:
+            return self.gap / sum(self.weave.h0)
+        return self.gap / sum(self.amplitudes)
+
+    @property
+    def touching(self) -> float:
+        """[-] share of the gaps of the yarns at rest at which they touch: with floats they are slack until
+        they are straight from crossing to crossing, as in the cell."""
+        if self.weave.pattern.is_plain:
+            return 1.0
+        return sum(self.weave.h0) / sum(self.amplitudes)
 
     @cached_property
     def unit_stiffness(self) -> float:

@@ -145,3 +145,39 @@ def test_solid_law_is_continuous_and_capped():
     for law in (warp, weft):
         ends = law.transverse_modulus(np.array([0.1, law.Vf0, law.V_c, 1.5]))
         assert ends == pytest.approx([law.K_r * law.E_c] * 2 + [law.E_c] * 2, rel=1e-12)
+
+
+def test_a_and_b_are_drawn_together_from_the_range_of_a_law(tmp_path):
+    """The middle is the law; many draws have its covariance; the file keeps it; 95 % of them are held."""
+    law = CompressionLaw(4e-5, 6e-5, F_range=(0.5, 90.0))
+    wide = law.with_spread([[0.04, 0.03], [0.03, 0.09]])
+    wide.to_json(tmp_path / "law.json")
+    assert CompressionLaw.from_json(tmp_path / "law.json") == wide
+    middle = wide.sample((0.5, 0.5))
+    assert (middle.a, middle.b) == pytest.approx((law.a, law.b))
+    rng = np.random.default_rng(4)
+    drawn = [wide.sample(u) for u in rng.random((4000, 2))]
+    logs = np.log([[one.a / law.a, one.b / law.b] for one in drawn])
+    assert np.cov(logs.T) == pytest.approx(np.array([[0.04, 0.03], [0.03, 0.09]]), rel=0.12)
+    assert np.mean([wide.holds(one.a, one.b) for one in drawn]) == pytest.approx(0.95, abs=0.015)
+    assert law.sample((0.9, 0.1)) == law
+    assert not law.holds(law.a, law.b)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.1, 1.0, 30.0])
+def test_slopes_of_compression_are_differences_and_ends_bracket(factor):
+    """At low and at high forces, against those of the law itself; a and b that grow alike let all grow alike."""
+    law = CompressionLaw(4e-5, 6e-5)
+    law = replace(law, F_range=(factor * law.F0, 1.01 * factor * law.F0))
+    toward = law.slopes_of_compression()
+    F = np.linspace(*law.F_range, 102)[1:]
+    step = 1e-5
+    of_a = np.log(replace(law, a=law.a * (1 + step)).d(F) / law.d(F)) / step
+    of_b = np.log(replace(law, b=law.b * (1 + step)).d(F) / law.d(F)) / step
+    assert toward == pytest.approx([np.mean(of_a), np.mean(of_b)], rel=1e-3, abs=1e-6)
+    assert sum(toward) == pytest.approx(1)
+    wide = law.with_spread([[0.04, -0.02], [-0.02, 0.09]])
+    soft, stiff = wide.ends().values()
+    forces = np.geomspace(1e-6, 1e6, 60) * law.F0
+    assert np.all(soft.d(forces) > law.d(forces))
+    assert np.all(stiff.d(forces) < law.d(forces))

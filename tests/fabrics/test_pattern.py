@@ -291,8 +291,7 @@ def refused(run):
 def test_models_of_plain_weave_refuse_another(own):
     fabric = catalogue.load(own("twill 2/2"))
     models = {
-        "solid yarns": lambda: Plan.of(fabric, size="coarse", shift=False),
-        "from crossing to crossing": lambda: CellModel(fabric, centreline="straight"),
+        "solid yarns": lambda: Plan.of(fabric, size="coarse", shift=True),
         "pressure law of packs": lambda: ply_laws.of_packs(fabric),
     }
     for model, run in models.items():

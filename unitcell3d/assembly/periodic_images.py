@@ -22,7 +22,7 @@ class Images:
     Parameters
     ----------
     mesh : meshing.mesh.YarnMesh
-    period : crossings after which the weave repeats
+    period : (2,) crossings along warp and weft after which the weave repeats
     parity : +1 as it is, -1 upside down
 
     Attributes
@@ -30,11 +30,11 @@ class Images:
     points : (n, 3) [m] of the cell's nodes and the images' so far
     """
 
-    def __init__(self, mesh: YarnMesh, period: int, parity: float) -> None:
+    def __init__(self, mesh: YarnMesh, period: tuple[int, int], parity: float) -> None:
         self._mesh = mesh
         self._parity = parity
-        self._step = [2 * w * period for w in mesh.w]
-        self._level = [float(mesh.points[grid[-1], 2].mean()) for grid in mesh.grids]
+        self._step = [2 * w * crossings for w, crossings in zip(mesh.w, period)]
+        self._level = [float(mesh.points[grid[[0, -1]], 2].mean()) for grid in mesh.grids]
         self.points = np.asarray(mesh.points, float)
         self._found: dict[tuple[int, int, int], IntArray] = {}
         self._followers: list[tuple[IntArray, IntArray, bool]] = []

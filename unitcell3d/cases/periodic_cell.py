@@ -103,7 +103,9 @@ def _row(model):
     smeared = model.fabric.weave.cell_area * model.fabric.weave.thickness
     families = np.asarray(model.crossover.families)
     pairs = model.surfaces
-    edges = [edge for (edge,) in pairs.pairs[model.crossings :]]
+    beside = model.beside
+    acting = slice(model.crossings, model.crossings + len(beside))
+    of = np.array([family for family, _ in beside])
 
     def row(state, load):
         x = model.positions(state.q, load)
@@ -111,7 +113,7 @@ def _row(model):
         worst = model.fibres.worst(strains)
         moment = model.moment(state.forces, load)
         T1, T2 = model.tensions(state.forces, load)
-        gaps = np.array([edge.gaps[0] for edge in edges])
+        gaps = np.array([side.gaps.min(initial=np.inf) for _, side in beside])
         return {
             "d1": load.d[0],
             "d2": load.d[1],
@@ -121,9 +123,10 @@ def _row(model):
             "moment": moment,
             "tau": moment / smeared,
             "F_c": float(np.mean(abs(pairs.forces[: model.crossings]))),
-            "F_side": pairs.forces[model.crossings :].reshape(2, -1).mean(axis=1),
-            "side_gap": gaps.reshape(2, -1).min(axis=1),
+            "F_side": np.array([pairs.forces[acting][of == family].mean() for family in (0, 1)]),
+            "side_gap": np.array([gaps[of == family].min() for family in (0, 1)]),
             "thickness": model.thickness(x),
+            "d_c": model.compression(x),
             "deepest": pairs.deepest,
             "fibre_strain_mean": np.array([means[families == family].mean() for family in (0, 1)]),
             "fibre_strain_max": np.array([worst[families == family].max() for family in (0, 1)]),

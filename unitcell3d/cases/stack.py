@@ -123,7 +123,12 @@ def stack_compression(
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
     model = StackModel(mesh, fabric, plies, numerics)
     rest = model.plates.at_rest
-    facts = {"case": f"{plies} plies", "plies": plies, "cell_area": fabric.weave.cell_area}
+    facts = {
+        "case": f"{plies} plies",
+        "plies": plies,
+        "cell_area": fabric.weave.cell_area,
+        "pressure_asked": float(pressure),
+    }
     return follow(
         model,
         [Load(plates=rest), Load(plates=min_plate_gap * rest)],

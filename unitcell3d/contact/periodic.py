@@ -19,7 +19,7 @@ from meshing.mesh import YarnMesh
 from unitcell3d.assembly.constraints import VERTICAL
 from unitcell3d.assembly.periodic_images import Images
 from unitcell3d.assembly.sparsity import Pattern
-from unitcell3d.contact import edge_contact_kernels
+from unitcell3d.contact import edge_contact_kernels, side_contact_kernels
 from unitcell3d.contact.surfaces import NO_VALUES, Pass, facing
 from unitcell3d.material.numerics import Numerics
 
@@ -134,8 +134,169 @@ def crossings(mesh: YarnMesh, cells: int) -> list[tuple[Pass, Pass]]:
     return found
 
 
-def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]:
-    """Pair the parallel neighbours of a cell, first warps, then wefts; some of them are images.
+class Sides:
+    """The side of one yarn that lies along that of a parallel neighbour at its own height: points of its
+    edge held off the neighbour's edge, with the normal in the plane, from the one to the other.
+
+    Each flank, from the middle of its yarn to the tip, counts by the mean of its nodes. Points stand in the
+    middles of its elements and press on as much area as they have length, times the yarn's thickness, as far as they
+    face each other at rest.
+
+    first, second : node numbers (i, m) of the slave flank and of the master's
+    toward : component that leads from the first to the second
+    sign : +1 where it grows
+    areas : [m2] of the points
+    share : [-] of the penalty
+    offset : [m] sum of the distances of both tips from the means of their flanks, at rest
+    """
+
+    anchors = np.empty((0, 2))  # sides slide without friction
+
+    def __init__(
+        self,
+        first: IntArray,
+        second: IntArray,
+        toward: int,
+        sign: float,
+        areas: FloatArray,
+        guess: FloatArray,
+        share: float,
+        offset: float,
+    ) -> None:
+        acting = np.flatnonzero(areas > 0)
+        self._slaves = np.concatenate([first[:-1], first[1:]], axis=1)[acting].astype(np.int64)
+        self._master = np.ascontiguousarray(second, np.int64)
+        self._offset = offset
+        self._size = 6 * second.shape[1]
+        self._toward = sign * np.eye(3)[toward]
+        self._areas = areas[acting]
+        self._share = share
+        self._t = guess[acting].astype(float)
+        self.gaps = np.full(len(acting), np.inf)
+        self.forces = np.zeros(len(acting))
+        self._nodes = np.full((len(acting), self._size), -1)
+        self._met = np.empty((0, self._size), np.int64)
+        self._pattern: Pattern
+
+    @property
+    def deepest(self) -> float:
+        """[m] penetration at the last call of `assemble`."""
+        return float(max(-self.gaps.min(initial=np.inf), 0.0))
+
+    def expected_stencils(self) -> IntArray:
+        """Return the stencils that have been met."""
+        self._met = np.unique(
+            np.concatenate([self._met, self._nodes[self._nodes[:, 0] >= 0]]), axis=0
+        )
+        return self._met
+
+    def build_pattern(self, pattern: Pattern) -> None:
+        """Keep the pattern, as `surfaces.SurfacePairs.build_pattern` does."""
+        self._pattern = pattern
+
+    def pattern_outdated(self) -> bool:
+        """Tell whether the pattern lacks what was met."""
+        met = self._nodes[self._nodes[:, 0] >= 0]
+        return len(met) > 0 and not self._pattern.holds(met)
+
+    def commit(self, x: FloatArray, numerics: Numerics) -> None:
+        """Keep nothing: sides slide without friction."""
+
+    def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
+        """Nothing: sides slide without friction."""
+        return 0.0, 0.0
+
+    def assemble(
+        self,
+        x: FloatArray,
+        numerics: Numerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
+    ) -> float:
+        """Add forces and tangent as `surfaces.SurfacePairs.assemble` does; return the force [N]
+        between the sides."""
+        places = np.empty((0, self._size, self._size), np.int64)
+        if values is not None and len(self._areas):
+            places = self._pattern.places(np.maximum(self._nodes, 0))
+        return side_contact_kernels.side_pass(
+            x,
+            self._slaves,
+            self._master,
+            self._toward,
+            self._areas,
+            self._offset,
+            self._share * numerics.penalty,
+            numerics.toe,
+            self._t,
+            self.gaps,
+            self.forces,
+            self._nodes,
+            forces,
+            places,
+            NO_VALUES if values is None else values,
+        )
+
+
+class Stick:
+    """Springs in the plane between the middles of two yarns where they cross: so weak that they bear
+    nothing, enough that a slack yarn does not drift.
+
+    nodes : (crossings, 2)
+    stiffness : [N/m] of each
+    """
+
+    anchors = np.empty((0, 2))
+    gaps = np.empty(0)
+    deepest = 0.0
+
+    def __init__(self, nodes: IntArray, stiffness: float = 30.0) -> None:
+        self._nodes = np.asarray(nodes, np.int64)
+        self._stiffness = stiffness
+        self.largest = 0.0
+
+    def expected_stencils(self) -> IntArray:
+        """Return the stencils."""
+        return self._nodes
+
+    def build_pattern(self, pattern: Pattern) -> None:
+        """Look up the places."""
+        self._places = pattern.places(self._nodes)
+
+    def pattern_outdated(self) -> bool:
+        """Never."""
+        return False
+
+    def commit(self, x: FloatArray, numerics: Numerics) -> None:
+        """Keep nothing."""
+
+    def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
+        """Nothing."""
+        return 0.0, 0.0
+
+    def assemble(
+        self,
+        x: FloatArray,
+        numerics: Numerics,
+        forces: FloatArray,
+        values: FloatArray | None = None,
+    ) -> float:
+        """Add forces and tangent as `surfaces.SurfacePairs.assemble` does; no force presses."""
+        pull = self._stiffness * (x[self._nodes[:, 1]] - x[self._nodes[:, 0]])
+        pull[:, VERTICAL] = 0.0
+        self.largest = float(abs(pull).max(initial=0.0))
+        np.add.at(forces, self._nodes[:, 1], pull)
+        np.add.at(forces, self._nodes[:, 0], -pull)
+        if values is not None:
+            block = self._stiffness * np.diag([1.0, 1.0, 0.0])
+            for a in (0, 1):
+                for b in (0, 1):
+                    np.add.at(values, self._places[:, a, b], block if a == b else -block)
+        return 0.0
+
+
+def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Edges]]:
+    """Pair the parallel neighbours of a cell where they pass each other, first warps, then wefts; some of
+    them are images. Returns each with its family.
 
     Parameters
     ----------
@@ -157,8 +318,72 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[Edges]]
             for end in range(cells, len(mesh.grids[yarn]), cells):
                 # the grid begins `reach` columns early
                 part = slice(end, end + 2 * reach + 1)
-                found.append((first[part, -1], second[part, 0], 1 - family, (thick, thick)))
-    return [(Edges(images.points, *pair),) for pair in found]
+                one, other = first[part], second[part]
+                rises = [
+                    images.points[g[-1], VERTICAL].mean() - images.points[g[0], VERTICAL].mean()
+                    for g in (one, other)
+                ]
+                if rises[0] * rises[1] < -1e-3 * thick**2:
+                    pair = Edges(images.points, one[:, -1], other[:, 0], 1 - family, (thick, thick))
+                    found.append((family, pair))
+    return found
+
+
+def sides(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Sides]]:
+    """Pair the parallel neighbours of a cell where they lie side by side, on one side of the fabric at a
+    crossing. Returns each with its family; parameters as of `neighbours`."""
+    reach = cells // 2
+    found = []
+    for family in (0, 1):
+        thick = mesh.sections[family].thickness
+        yarns = _yarns(mesh, family)
+        for yarn, next_yarn in zip(yarns, [*yarns[1:], yarns[0]]):
+            step = int(yarn == yarns[-1])
+            m, n = (0, step) if family == 0 else (step, 0)
+            first = images.extended(yarn, 0, 0, reach)
+            second = images.extended(next_yarn, m, n, reach)
+            size = len(mesh.grids[yarn]) - 1
+            at = np.arange(size) + reach  # elements of the cell in the extended grids
+            heights = [images.points[g, VERTICAL].mean(axis=(1, 2)) for g in (first, second)]
+            middle = reach + cells * (np.arange(size) // cells) + reach  # of the crossing of each
+            level = heights[0][middle] * heights[1][middle] > 0
+            apart = abs(heights[1] - heights[0])
+            apart = 0.5 * (apart[at] + apart[at + 1])
+            near = np.where(level, np.clip(1 - (2 * apart / thick) ** 2, 0, 1) ** 2, 0.0)
+            if not near.any():
+                continue
+            half = first.shape[1] // 2
+            ones = first[:, half + 1 :], second[:, :half]
+            flanks = [one.reshape(len(one), -1) for one in ones]
+            tips = first[:, -1], second[:, 0]
+            offset = sum(
+                abs(
+                    images.points[a][..., 1 - family].mean()
+                    - images.points[b][..., 1 - family].mean()
+                )
+                for a, b in zip(flanks, tips)
+            )
+            for number, sign in ((0, 1.0), (1, -1.0)):
+                slave, master = flanks[number], flanks[1 - number]
+                place = images.points[slave].mean(axis=1)
+                length = np.sqrt((np.diff(place, axis=0) ** 2).sum(axis=1))
+                areas = length[at] * thick * near
+                part = slave[reach : reach + size + 1]
+                found.append(
+                    (family, Sides(part, master, 1 - family, sign, areas, at + 0.5, 0.5, offset))
+                )
+    return found
+
+
+def columns(mesh: YarnMesh, cells: int) -> IntArray:
+    """Find the columns of nodes (crossings, 2, through) in the middles of warp and weft at each
+    crossing."""
+    found = []
+    for warp in _yarns(mesh, 0):
+        for weft in _yarns(mesh, 1):
+            parts = [_crossing(mesh, a, b, cells)[0] for a, b in ((warp, weft), (weft, warp))]
+            found.append([g[len(g) // 2, g.shape[1] // 2] for g in parts])
+    return np.array(found)
 
 
 def _yarns(mesh, family):

@@ -155,23 +155,35 @@ class CellModel(YarnsModel):
     ) -> None:
         check(mesh, fabric)
         if isinstance(mesh, Patch):
-            fits = mesh.count == (2, 2)
-            # crossings after which the weave repeats, along each yarn
-            self.period = 2
-            self.parity = 1.0
+            pattern = fabric.weave.pattern
+            *least, parity = pattern.cell
+            whole = [n % m == 0 for n, m in zip(mesh.count, pattern.matrix.shape)]
+            fits = all(whole) or (parity < 0 and list(mesh.count) == least)
+            self.parity = 1.0 if all(whole) else -1.0
+            # crossings after which the weave repeats, along warp and weft
+            self.period = mesh.count[::-1]
         else:
             fits = mesh.domain == "whole"
-            self.period = 1
+            self.period = 1, 1
             self.parity = -1.0
         if not fits:
-            raise InputError("a cell needs a whole crossover or a patch of 2 x 2")
-        self.crossings = self.period**2
+            raise InputError("a cell needs a whole crossover or a patch of the weave's repeat")
+        self.crossings = self.period[0] * self.period[1]
         self.w = mesh.w
         images = Images(mesh, self.period, self.parity)
-        cells = (mesh.grids[0].shape[0] - 1) // self.period
+        cells = (mesh.grids[0].shape[0] - 1) // self.period[0]
         # images of all pairs have to be there before the points are taken
         crossing = periodic.crossings(mesh, cells)
-        beside = periodic.neighbours(mesh, images, cells)
+        edges = periodic.neighbours(mesh, images, cells)
+        sides = periodic.sides(mesh, images, cells)
+        self.beside = [*edges, *sides]
+        beside = [(side,) for _, side in self.beside]
+        self._columns = periodic.columns(mesh, cells)
+        # of plain weave, crossings are centres of two-fold axes
+        self.like = fabric.weave.pattern.is_plain
+        if not self.like:
+            through = self._columns.shape[2]
+            beside.append((periodic.Stick(self._columns[..., through // 2]),))
         super().__init__(
             mesh,
             fabric,
@@ -191,9 +203,13 @@ class CellModel(YarnsModel):
             if self.parity <= 0:
                 end = end[:, ::-1]
             ties.follow_image(end, grid[0], self.parity)
-            # crossings are centres of two-fold axes: they stay where the trellis takes them
+        for yarn, grid in enumerate(mesh.grids):
+            # crossings of a plain weave are centres of two-fold axes: they stay where the trellis takes
+            # them; of another, one node is held, as the whole cell could drift
+            if yarn and not self.like:
+                break
             nx, ny, nz = grid.shape
-            middle = grid[nx // 2 // self.period, ny // 2, nz // 2]
+            middle = grid[nx // 2 // self.period[mesh.families[yarn]], ny // 2, nz // 2]
             for component in PLANE:
                 ties.hold(middle, component)
         if self.parity > 0:  # repeated as it is, nothing else holds the cell at its height
@@ -213,6 +229,16 @@ class CellModel(YarnsModel):
     def moment(self, forces: FloatArray, load: CellLoad) -> float:
         """Compute the moment [N m] per crossing, conjugate to the shear angle."""
         return float(load.by_gamma @ self.constraints.work(forces)) / self.crossings
+
+    def compression(self, x: FloatArray) -> float:
+        """Compute what one yarn is compressed by [m]: half of what the middles of warp and weft have come
+        closer at a crossing, in the mean of the crossings."""
+        through = self._columns.shape[2]
+        middle = self._columns[..., [(through - 1) // 2, through // 2]]
+        apart = [
+            abs(np.diff(place[middle, 2].mean(axis=2), axis=1)).mean() for place in (self.points, x)
+        ]
+        return float(0.5 * (apart[0] - apart[1]))
 
     def thickness(self, x: FloatArray) -> float:
         """Measure the thickness [m] from the lowest to the highest node."""

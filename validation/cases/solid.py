@@ -315,10 +315,6 @@ def calibrated(
     done = found.calibration
     law = found.law
     nan = float("nan")
-    interval: Any = found.interval
-    around = {}
-    if fit_solid and not isinstance(interval, Exception):
-        around = interval.around(law)
     own = {
         f"{key}_{name}": nan if one is None else getattr(one, key)
         for name, one in zip(("warp", "weft"), done.yarn_laws)
@@ -327,8 +323,8 @@ def calibrated(
     summary: Values = own | {
         "a": law.a,
         "b": law.b,
-        "a_interval": around.get("a", law.a_interval),
-        "b_interval": around.get("b", law.b_interval),
+        "a_interval": law.a_interval,
+        "b_interval": law.b_interval,
         "a_ratio": done.comparison.get("a_ratio", nan),
         "b_ratio": done.comparison.get("b_ratio", nan),
         "rms": law.residual_rms,
@@ -341,6 +337,6 @@ def calibrated(
             for name, value in found.solid.values.items()
         }
         for name in ("misfit_before", "misfit"):
-            misfit = getattr(found.solid, name)
+            misfit = getattr(found.solid.platens, name)
             summary[name] = misfit.closure, misfit.pressure
     return summary

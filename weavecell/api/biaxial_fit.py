@@ -108,10 +108,25 @@ class BiaxialFitPlan(Plan["BiaxialFitResult"]):
         found = study.fit(self.model, self.tests, self.fitted, self.constants, provenance)
         law = replace(found.law, fitted_data=data_digest(fabric))
         found = replace(found, law=law)
-        result = BiaxialFitResult(fabric, found, self.source, running.wall_time)
+        kept = self._find_wrongly_kept(found)
+        result = BiaxialFitResult(fabric, found, self.source, running.wall_time, kept)
         result_keys.check_fabric(result.fabric, fabric, self.source)
         result.fabric_keys()
         return running.save(result)
+
+    def _find_wrongly_kept(self, found):
+        """Which of a and b was kept though the tests, with both free, exclude its value."""
+        from weavecell.studies import biaxial_fit as study
+
+        kept = [name for name in ("a", "b") if name not in self.constants]
+        if len(kept) != 1:
+            return ()
+        both = (*self.constants, *kept)
+        free = study.fit(self.model, self.tests, self.fitted, both, with_profiles=False)
+        constant = free.values[kept[0]]
+        if constant.low <= getattr(found.law, kept[0]) <= constant.high:
+            return ()
+        return tuple(kept)
 
 
 def plan_fit(
@@ -128,7 +143,7 @@ def plan_fit(
     from weavecell.studies import biaxial_tests
 
     known = resolve_fabric(fabric)
-    tests = tuple(biaxial_tests.read(path))
+    tests = tuple(biaxial_tests.read(path, known.weave.yarn_spacing))
     names = [test.name for test in tests]
     for name in fitted or ():
         if name not in names:
@@ -145,6 +160,9 @@ def plan_fit(
     laws = None
     if known.laws is None:
         laws = study.first_laws(known, free)
+    if centreline == "cosine" and not known.weave.pattern.is_plain:
+        allowed = f"left out: yarns of a {known.weave.pattern.name} are straight from crossing to crossing"
+        raise InputError(key="centreline", value=centreline, allowed=allowed)
     model = CellModel(known, laws, centreline=centreline or "cosine", slack=(slack[0], slack[1]))
     return BiaxialFitPlan(
         model, tests, tuple(fitted or ()), tuple(dict.fromkeys(free)), curves.name_of(path)
@@ -193,6 +211,7 @@ class BiaxialFitResult(Result):
     fit : `weavecell.studies.biaxial_fit.BiaxialFit`: constants, correlation, comparisons, profiles
     source : name of the file of the tests
     wall_time : [s] it took
+    kept : which of a and b was not fitted though the tests exclude its value
 
     Examples
     --------
@@ -211,6 +230,7 @@ class BiaxialFitResult(Result):
     fit: BiaxialFit
     source: str
     wall_time: float = 0.0
+    kept: tuple[str, ...] = ()
 
     kind = "biaxial_fit"
 
@@ -244,6 +264,12 @@ class BiaxialFitResult(Result):
         """Whether cosines suit the weave, the tests determine the constants, residuals are noise, and
         predictions agree."""
         return self.fit.checks
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """As in `Result`; a constant that was kept though the tests exclude it."""
+        words = "the tests exclude the {} that was kept: fit a and b"
+        return (*super().doubts, *(words.format(name) for name in self.kept))
 
     @property
     def is_of_shots(self) -> bool:
@@ -336,7 +362,10 @@ class BiaxialFitResult(Result):
             lines.append((f"test {one.name}", self._say_test(one)))
         loose = [one.name for one in self.fit.undetermined]
         if loose:
-            text = f"the fitted tests do not determine {', '.join(loose)}: another ratio, or fewer constants"
+            remedy = "another ratio, or fewer constants"
+            if len({one.ratio for one in self.tests if one.fitted}) > 1:
+                remedy = "higher loads, less noise, or fewer constants"
+            text = f"the fitted tests do not determine {', '.join(loose)}: {remedy}"
             lines.append(("note", text))
         if not self.is_of_shots:
             text = f"shots have this cell with surface = {SURFACE!r} in place of the law"

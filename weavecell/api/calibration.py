@@ -1,12 +1,15 @@
 """The calibration of the 3D crossover.
 
 The folder of `weavecell calibrate`
-    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the plate curve
-                        determines
-    law-interval.json   with the same: intervals of a and b that follow from those of E_c, V_c, K_r
-    solid-runs          with the same: finished runs, for --resume
-    law.json            the fitted law, for `law` in an input file, and the contact law of plies of
-                        a pack
+    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the measurements
+                        determine
+    fabric-keys.toml    with the same: the fitted solid as a fabric file has it
+    surface.h5          with --biaxial and --fit-solid: the response surface of the fitted solid, for
+                        `fabric.surface` of a shot
+    law-range.json      the laws at the ends of all that is not known of the crossover
+    solid-runs          finished runs of these, for --resume
+    law.json            the fitted law with its range, for `law` in an input file, and the contact
+                        law of plies of a pack
     calibration.json    all numbers of the calibration, and provenance.json where they come from
     paths.csv           these paths in one table
     <path>.h5           histories of the loading paths and of the compression between plates
@@ -16,9 +19,10 @@ The folder of `weavecell calibrate`
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -30,7 +34,7 @@ from fabrics.base import files, run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.door import option
-from fabrics.base.errors import InputError
+from fabrics.base.errors import InputError, UnstableError, placed
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
@@ -52,10 +56,12 @@ if TYPE_CHECKING:
 
     from fabrics.compression import CompressionLaw
     from shellfabric.membrane.indicator import Indicator
+    from unitcell3d.identify.biaxial_states import PulledTest
     from unitcell3d.identify.calibration import Calibration
-    from unitcell3d.identify.chain import LawInterval
+    from unitcell3d.identify.law_range import LawRange
     from unitcell3d.identify.solid_record import SolidFit
     from weavecell.report.page import Section
+    from weavecell.studies.solid_tests import SolidTests
 
 # a fit of the solid takes about so many trials; the progress bar needs a number
 TRIALS = 20
@@ -63,6 +69,13 @@ SOLID_RUNS = "solid-runs"
 # [-] to which fibre fractions of the mesh and of the fabric are the same
 FRACTIONS_ALIKE = 0.02
 YARNS = ("warp", "weft")
+FABRIC_KEYS = "fabric-keys.toml"
+SURFACE = "surface.h5"
+RANGE = "law-range.json"
+# of the surface of a fitted solid: so few lines are closer to the crossover than the law of a finer mesh
+SURFACE_LINES = 5
+NAMES_OF_SOLID = ("E_c", "V_c", "K_r")
+SOLID_UNITS = {"E_a": " Pa", "E_c": " Pa", "K_r": "", "K_G": "", "V_c": "", "Vf0": ""}
 FROM_FITTED = "rms from the fitted law"
 PLAIN_CROSSING = "assumed: that of the plain crossing of the same yarns"
 WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
@@ -76,7 +89,9 @@ NAMES = (
     "paths.csv",
     "provenance.json",
     "solid.json",
-    "law-interval.json",
+    RANGE,
+    FABRIC_KEYS,
+    SURFACE,
     "report.html",
     *meshes.names_of("crossover", meshes.MeshResult.formats),
 )
@@ -90,10 +105,10 @@ class CalibrationPlan(Plan["CalibrationResult"]):
     ----------
     fabric : Fabric, with what a 3D crossover needs
     size : of the mesh, as `meshing` takes it
-    curve : PlateCurve to which the solid is fitted first; None without one
+    evidence : Evidence to which the solid is fitted first; None without one
     friction : [-] between the yarns
     fraction : "mesh" or "stated", whose fibre fraction enters the law of the solid
-    assumed_range : whether the ends of an assumed solid law are solved too
+    assumed_range : whether the range of the law is computed
     named : whether the fabric was given by a name, and has the linear density of shots afterwards
     woven : Fabric of a weave with floats, of whose yarns `fabric` is the plain crossing; else None
     """
@@ -102,7 +117,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
 
     fabric: Fabric
     size: Any
-    curve: PlateCurve | None
+    evidence: Evidence | None
     friction: float
     fraction: str
     assumed_range: bool
@@ -119,20 +134,25 @@ class CalibrationPlan(Plan["CalibrationResult"]):
     @property
     def inputs(self) -> Sequence[object]:
         """What the paths are solved of."""
-        return [(self.fabric, self.size, self.friction, self.curve, self.fraction)]
+        return [(self.fabric, self.size, self.friction, self.evidence, self.fraction)]
 
     def forecast(self) -> WorkSize:
         """Count the paths, those of the ends of an assumed law too, and hexahedra and nodes."""
         from unitcell3d.identify import calibrate as solver
 
         built = meshes.of_calibration(self.fabric, self.size)
-        paths = solver.CASES
-        if self.assumed_range and self.curve is None and assumed.solid_ends(self.fabric):
-            paths *= 3
-        return meshes.size_of_mesh(f"{self.fabric.name}, calibration", built.mesh, path=paths)
+        amounts = {"path": solver.CASES}
+        if self.assumed_range and self.evidence is None:
+            from unitcell3d.identify import law_range
+
+            unknowns = law_range.list_unknowns(self.fabric, None, self.fraction)
+            ends = sum(map(len, unknowns.values()))
+            if ends:
+                amounts["crossover of its range"] = 1 + ends
+        return meshes.size_of_mesh(f"{self.fabric.name}, calibration", built.mesh, **amounts)
 
     def run(self, running: Running) -> CalibrationResult:
-        """Fit the solid to the platens, then the law to the crossover of that solid."""
+        """Fit the solid to what was measured, then the law to the crossover of that solid."""
         from unitcell3d.identify import calibrate as solver
 
         # a later run warns if the data that the law was fitted to have changed
@@ -141,8 +161,8 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         choices = {"friction": self.friction, **running.how.solver_pool}
         fabric = self.fabric
         solid = None
-        if self.curve is not None:
-            solid = _solid(fabric, self.curve, running.runs)
+        if self.evidence is not None:
+            solid = _solid(fabric, self.evidence, running.runs)
             fabric = assumed.given(solid.fabric, "solid")
         built = meshes.of_calibration(fabric, self.size)
         fractions = self._note_fractions(built, solid)
@@ -157,14 +177,16 @@ class CalibrationPlan(Plan["CalibrationResult"]):
                 on_progress=progress.count_paths(advance, solver.CASES),
                 **choices,
             )
-        done, failed = self._solve_ends(fabric, done, choices)
+        around = self._find_range(fabric, solid, done.law, running)
+        if around is not None:
+            done = replace(done, law=around.around(done.law))
         law = replace(done.law, fitted_data=digest)
         if self.woven is not None:
             law = replace(law, provenance=f"{law.provenance}, {PLAIN_CROSSING}")
         done = replace(done, law=law)
-        interval = None
-        if solid is not None:
-            interval = _interval(solid, running.runs, choices)
+        surface = None
+        if solid is not None and solid.pulls:
+            surface = _surface(fabric, running.how.solver_pool)
         # the crossover may have more crimp, and has the data sheet's linear density; a shot has
         # what an input file that names the fabric would give it
         if self.woven is None:
@@ -175,11 +197,11 @@ class CalibrationPlan(Plan["CalibrationResult"]):
             replace(shot_at, laws=(done.law, done.law)),
             done,
             built,
-            failed,
+            around,
             solid,
-            interval,
             resumable=bool(running.folder),
             fractions=fractions,
+            surface=surface,
         )
         # what is doubtful of the law goes with it
         shot_at = replace(result.fabric, laws=(result.law, result.law))
@@ -196,22 +218,44 @@ class CalibrationPlan(Plan["CalibrationResult"]):
             logging.getLogger("weavecell").info(fractions)
         return fractions
 
-    def _solve_ends(self, fabric, done, choices):
-        """(Calibration with the range over an assumed solid law, {end: why it failed})."""
-        from unitcell3d.identify import assumed_range as ends
-        from unitcell3d.identify import calibrate as solver
+    def _find_range(self, fabric, solid, law, running):
+        """The LawRange of a law; None where it is not asked for, or nothing is unknown."""
+        from unitcell3d.identify import law_range
 
-        if not (self.assumed_range and assumed.solid_ends(fabric)):
-            return done, {}
-        with progress.bar(f"Assumed solid law of {fabric.name}, soft and stiff end") as advance:
-            return ends.with_assumed_range(
+        unknowns = law_range.list_unknowns(fabric, solid, self.fraction)
+        if not (unknowns and (self.assumed_range or solid is not None)):
+            return None
+        with progress.bar(f"Range of the law of {fabric.name}") as advance:
+            return law_range.find_range(
                 fabric,
-                done,
-                size=self.size,
-                fibre_fraction=self.fraction,
-                on_progress=progress.count_paths(advance, 2 * solver.CASES),
-                **choices,
+                law,
+                unknowns,
+                fraction=self.fraction,
+                folder=running.runs,
+                friction=self.friction,
+                report=lambda done, total: advance(
+                    done / total, f"{done} of {counted(total, 'crossover')}"
+                ),
+                **running.how.solver_pool,
             )
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What the solid is fitted to.
+
+    Parameters
+    ----------
+    curve : PlateCurve, or None
+    tests : of biaxial_states.PulledTest
+    fitted : names of those that are fitted; all if empty
+    free : constants that are fitted
+    """
+
+    curve: PlateCurve | None
+    tests: tuple[PulledTest, ...] = ()
+    fitted: tuple[str, ...] = ()
+    free: tuple[str, ...] = ("E_c", "V_c", "K_r")
 
 
 @command(CalibrationPlan, BiaxialFitPlan)
@@ -234,7 +278,8 @@ def calibrate(
     **options: Unpack[ResumableKeywords],
 ) -> Plan[CalibrationResult | BiaxialFitResult]:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs
-    dolfinx and PETSc. Or fit the law to measured biaxial tests, which needs neither.
+    dolfinx and PETSc. Or fit the law to measured biaxial tests, which needs neither. Or fit the
+    solid of the yarns to such tests first, with both keywords.
 
     The fabric has the linear density of its data sheet. With one job and the local executor
     everything runs in this process; else in several, and a script that calls needs the guard `if
@@ -244,9 +289,10 @@ def calibrate(
     one ply between flat platens, loading only, at least five rows.
 
     The file of biaxial is a CSV file headed "test, warp strain [%], weft strain [%], warp load [N],
-    weft load [N]": loads of one yarn, a row a state, the name of its test first; the strain of a
-    free direction is empty. Loads are those of the unit cell (`weavecell biaxial`); tests that are
-    not fitted are predicted.
+    weft load [N]": loads of one yarn, or per width in N/m, a row a state, the name of its test or its
+    ratio first; the strain of a free direction is empty. Loads are those of the unit cell
+    (`weavecell biaxial`), or with fit_solid those of the 3D crossover; tests that are not fitted are
+    predicted.
 
     Parameters
     ----------
@@ -256,19 +302,21 @@ def calibrate(
         weavecell mesh --format geo
     platen_curve : first fit E_c, V_c and K_r to this platen curve (pressure and thickness); what
         the fabric lacks of its solid law is assumed by fibre family
-    fit_solid : first fit E_c, V_c and K_r to the built-in pressure law of Kevlar plain weaves
+    fit_solid : first fit E_c, V_c and K_r to the tests of biaxial, and to the curve of platen_curve if
+        both are given; without biaxial to the built-in pressure law of Kevlar plain weaves
     friction : Coulomb's coefficient between the yarns
     fibre_fraction : whose fibre fraction at rest enters the solid law, that of the mesh or the one
         that the fabric states; if not given the stated one where its source gives V_c too, else
         that of the mesh
-    assumed_range : whether the law is fitted at both ends of an assumed solid law too, which
-        triples the cost
-    biaxial : file of biaxial tests (``*.csv``), which the law is fitted to in place of the 3D crossover
+    assumed_range : whether the law gets a range, that of an assumed solid law, thickness, crimp, fibre
+        fraction and mesh together, from small crossovers at the ends of each
+    biaxial : file of biaxial tests (``*.csv``), which the law is fitted to in place of the 3D
+        crossover, or with fit_solid the solid of the yarns
     fitted : name of a test of that file that is fitted, may be given again, in Python a list; all
         if none is given
     constants : what is fitted to them, separated by commas: a, b, stiffening (of the law of
         compression with the yarn's strain), h (both heights at rest), warp crimp, weft crimp, start
-        (where each test begins); "a, b" if not given
+        (where each test begins); "a, b" if not given. With fit_solid E_c, V_c, K_r, all if not given
     centreline : cosine, or straight from crossing to crossing as Kawabata has it, for loose weaves
     yarn_curve : tensile curve of a yarn whose foot at low strain counts, FAMILY=FILE such as
         warp=yarn.csv, or both=yarn.csv; a CSV file headed, for example, "strain [%], force [N]"; may
@@ -297,19 +345,24 @@ def calibrate(
         "centreline": centreline,
         "yarn_curve": yarn_curve or None,
     }
-    if biaxial is not None:
+    if biaxial is not None and not fit_solid:
         of_crossover: dict[str, Any] = {
             "platen_curve": platen_curve,
-            "fit_solid": fit_solid or None,
             "friction": friction or None,
             "fibre_fraction": fibre_fraction,
         }
         if mesh != meshes.SOLVED:
             of_crossover["mesh"] = mesh
-        where = f"with {option('biaxial', 'FILE')}, which solves no 3D crossover"
+        solves = f"without {option('fit_solid', '')}".rstrip()
+        where = f"with {option('biaxial', 'FILE')} {solves}, which solves no 3D crossover"
         quantities.refuse_unused(of_crossover, where)
         return plan_fit(fabric, biaxial, fitted, constants, centreline, yarn_curve)
-    quantities.refuse_unused(of_tests, f"without {option('biaxial', 'FILE')}")
+    if biaxial is None:
+        quantities.refuse_unused(of_tests, f"without {option('biaxial', 'FILE')}")
+    else:
+        of_cell = {name: of_tests[name] for name in ("centreline", "yarn_curve")}
+        where = f"with {option('fit_solid', '')}".rstrip()
+        quantities.refuse_unused(of_cell, f"{where}, which fits no cell of cosines")
     from unitcell3d.material.numerics import fraction_of
     from unitcell3d.model.crossover import Numerics
 
@@ -322,30 +375,56 @@ def calibrate(
         fabric = crossing
     # by its name or file, which a refusal says
     fabric = meshes.resolve_fabric_for_3d(fabric)
-    if platen_curve is not None and fit_solid:
+    if platen_curve is not None and fit_solid and biaxial is None:
         raise InputError(
             key="fit_solid", allowed="left out with a platen curve, which is fitted to"
         )
-    curve = None
+    evidence = None
     if crossing is not woven:
         where = "of a weave with floats, whose plain crossing is solved"
         unused = {"platen_curve": platen_curve, "fit_solid": fit_solid or None}
         quantities.refuse_unused(unused, where)
-    if platen_curve is not None or fit_solid:
-        curve = curve_of(fabric, platen_curve)
-    if curve is not None and fibre_fraction == "stated":
+    if biaxial is not None:
+        evidence = _read_evidence(fabric, platen_curve, biaxial, fitted, constants)
+    elif platen_curve is not None or fit_solid:
+        evidence = Evidence(curve_of(fabric, platen_curve))
+    if evidence is not None and fibre_fraction == "stated":
         allowed = (
             "mesh if the solid is fitted: its V_c then belongs to the fibre fraction of the mesh"
         )
         raise InputError(key="fibre_fraction", value=fibre_fraction, allowed=allowed)
     fraction: str = fibre_fraction or fraction_of(fabric)
-    if curve is not None:
+    if evidence is not None:
         fraction = "mesh"
     Numerics(friction=friction)  # refuses what is not allowed
     floats = None
     if crossing is not woven:
         floats = assumed.with_solid_laws(woven)
-    return CalibrationPlan(fabric, size, curve, friction, fraction, assumed_range, named, floats)
+    return CalibrationPlan(fabric, size, evidence, friction, fraction, assumed_range, named, floats)
+
+
+def _read_evidence(fabric, platen_curve, biaxial, fitted, constants):
+    """The Evidence of a file of biaxial tests, and of a platen curve if there is one."""
+    from unitcell3d.identify.solid_record import NAMES as SOLID
+    from weavecell.studies import biaxial_tests, solid_tests
+
+    tests = biaxial_tests.read(biaxial, fabric.weave.yarn_spacing)
+    chosen = tuple(fitted or ())
+    known = [test.name for test in tests]
+    for name in chosen:
+        if name not in known:
+            allowed = f"a test of {biaxial}: {', '.join(known)}"
+            raise InputError(key="fitted", value=name, allowed=allowed)
+    free = SOLID
+    if constants is not None:
+        free = tuple(dict.fromkeys(part.strip() for part in constants.split(",")))
+    for name in free:
+        if name not in SOLID:
+            allowed = f"of {', '.join(SOLID)}, which are the solid's"
+            raise InputError(key="constants", value=name, allowed=allowed)
+    curve = None if platen_curve is None else PlateCurve.read(platen_curve)
+    with placed(biaxial):
+        return Evidence(curve, solid_tests.take_tests(tests, chosen), chosen, free)
 
 
 def _take_plain_crossing(fabric):
@@ -379,8 +458,9 @@ def fractions_note(built: meshes.MeshResult, used: str) -> str:
     stated = [law.Vf0 for law in built.fabric.solid_laws or ()]
     if all(abs(mesh / own - 1) <= FRACTIONS_ALIKE for mesh, own in zip(meshed, stated)):
         return ""
+    whose = "assumed are" if "solid" in built.fabric.assumed else "the fabric states"
     return (
-        f"note: the sections of the mesh have fibre fractions of {_pair(meshed)}, the fabric states {_pair(stated)}: "
+        f"note: the sections of the mesh have fibre fractions of {_pair(meshed)}, {whose} {_pair(stated)}: "
         f"the solid law has those {WHOSE[used]}, and its V_c counts from there"
     )
 
@@ -406,49 +486,62 @@ def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
     return PlateCurve.pressure_law(fabric.areal_density_measured)
 
 
-def _solid(fabric, curve, runs):
-    """The SolidFit of a plate curve; an earlier run's if it is kept."""
+def _solid(fabric, evidence, runs):
+    """The SolidFit of what was measured; an earlier run's if it is kept."""
     from unitcell3d.identify import solid_fit
 
     kept = run_cache.RunCache(runs)
-    key = run_cache.key(("fit", fabric, curve), solid_fit.fit_solid.__module__)
+    given = {"tests": evidence.tests, "fitted": evidence.fitted, "free": evidence.free}
+    key = run_cache.key(("fit", fabric, evidence.curve, given), solid_fit.fit_solid.__module__)
     # the fit takes minutes: an interrupted calibration goes on behind it
     if key not in kept:
-        with progress.bar(f"Solid of {fabric.name} from platens") as advance:
+        with progress.bar(f"Solid of {fabric.name} from tests") as advance:
             kept[key] = solid_fit.fit_solid(
                 fabric,
-                curve,
-                on_progress=lambda trials, rms: advance(
-                    min(trials / TRIALS, 0.99), f"misfit {display.text(rms, 'fine m', '.1f')}"
+                evidence.curve,
+                **given,
+                on_progress=lambda trials: advance(
+                    min(trials / TRIALS, 0.99), counted(trials, "trial")
                 ),
             )
     return kept[key]
 
 
-def _interval(solid, runs, choices):
-    """The LawInterval of the ends of a solid's intervals, or the exception of one whose paths give
-    no law."""
-    from unitcell3d.identify.chain import law_intervals
+def _surface(fabric, pool):
+    """The ResponseSurface of a fitted solid up to the failure of both yarns, on a coarse mesh; the
+    exception of one that finds no equilibrium there."""
+    from unitcell3d.cases.biaxial_and_platens import displacements_at_failure
+    from unitcell3d.identify import response_surface
 
-    with progress.bar(f"Intervals of {solid.fabric.name}") as advance:
-        report = lambda done, total: advance(done / total, f"{done} of {counted(total, 'path')}")  # noqa: E731
-        return law_intervals([solid], folder=runs, report=report, **choices)[0]
+    try:
+        with progress.bar(f"Response surface of {fabric.name}") as advance:
+            return response_surface.sample(
+                fabric,
+                **{
+                    key: (0.0, end)
+                    for key, end in zip(("d1", "d2"), displacements_at_failure(fabric))
+                },
+                points=(SURFACE_LINES, SURFACE_LINES),
+                size="coarse",
+                **pool,
+                on_progress=advance,
+                provenance=f"3D crossover of {fabric.name}, its solid fitted to biaxial tests",
+            ).surface
+    except UnstableError as problem:
+        return problem
 
 
-def interval_numbers(
-    interval: LawInterval, around: dict[str, tuple[float, float]]
-) -> dict[str, Any]:
-    """Return a LawInterval as plain types, for law-interval.json; `around` of
-    `LawInterval.around`."""
-    ends = [
-        [None if law is None else {"a_m": law.a, "b_m_N^(1/3)": law.b} for law in pair]
-        for pair in interval.ends
-    ]
+def range_numbers(around: LawRange) -> dict[str, Any]:
+    """Return a LawRange as plain types, for law-range.json."""
     return {
-        "a_interval_m": around["a"],
-        "b_interval_m_N^(1/3)": around["b"],
-        "laws_of_the_limits_of_solid.json": ends,
-        "law_of_their_middle": {"a_m": interval.law.a, "b_m_N^(1/3)": interval.law.b},
+        "unknowns": {
+            name: [{"a_m": law.a, "b_m_N^(1/3)": law.b} for law in laws]
+            for name, laws in around.ends.items()
+        },
+        "law_of_the_best_values": {"a_m": around.law.a, "b_m_N^(1/3)": around.law.b},
+        "shares_of_the_variance_of_the_compression": around.shares(),
+        "covariance_of_ln_a_ln_b": around.covariance.tolist(),
+        "without_a_law": around.failed,
     }
 
 
@@ -463,11 +556,11 @@ class CalibrationResult(Result):
         that was named with the linear densities of `weavecell.fabric`
     calibration : `unitcell3d.identify.calibration.Calibration`
     mesh : MeshResult of the crossover, with the fabric that was calibrated
-    failed : {"soft" or "stiff": why this end of the assumed range has no law}
-    solid : `unitcell3d.identify.solid_record.SolidFit` of the platen curve, or None
-    interval : `unitcell3d.identify.chain.LawInterval` of that fit; an exception if its paths give
-        no law; or None
+    around : `unitcell3d.identify.law_range.LawRange` of what is not known; None if it was not computed
+    solid : `unitcell3d.identify.solid_record.SolidFit` of the measurements, or None
     fractions : note on fibre fractions of the mesh that are not those of the fabric, or ""
+    surface : ResponseSurface of a solid that was fitted to biaxial tests; an exception if it has no
+        equilibrium; or None
     resumable : whether the folder holds the histories of the paths already, with what `resume`
         needs
 
@@ -483,11 +576,11 @@ class CalibrationResult(Result):
 
     calibration: Calibration
     mesh: meshes.MeshResult
-    failed: dict[str, str] = field(default_factory=dict)
+    around: LawRange | None = None
     solid: SolidFit | None = None
-    interval: Any = None
     resumable: bool = False
     fractions: str = ""
+    surface: Any = None
 
     @property
     def law(self) -> CompressionLaw:
@@ -495,12 +588,24 @@ class CalibrationResult(Result):
         return replace(self.calibration.law, doubts="; ".join(self.doubts))
 
     @property
+    def tests(self) -> SolidTests | None:
+        """Biaxial tests beside the fitted crossover; None without any."""
+        from weavecell.studies.solid_tests import SolidTests
+
+        if self.solid is None or not self.solid.pulls:
+            return None
+        return SolidTests.of(self.solid)
+
+    @property
     def checks(self) -> tuple[Indicator, ...]:
-        """As in `Result`: how far the law misses its samples, and those of the mesh."""
+        """As in `Result`: how far the law misses its samples, those of the mesh, and of tests that the
+        solid was fitted to."""
         from shellfabric.membrane import quality
 
         law = self.calibration.law
         of_mesh = self.mesh.checks
+        if self.tests is not None:
+            of_mesh = (*self.tests.checks, *of_mesh)
         if law.residual_rms is None or not law.a > 0:
             return of_mesh
         return (quality.indicator("misfit of the law", law.residual_rms / law.a), *of_mesh)
@@ -509,7 +614,12 @@ class CalibrationResult(Result):
     def doubts(self) -> tuple[str, ...]:
         """As in `Result`; a law that no woven yarn has, and a range without one of its ends."""
         found = [*super().doubts, *["implausible law"] * bool(self._judge_law())]
-        return (*found, *(f"{end} end of the assumed range missing" for end in self.failed))
+        return (*found, *(f"end of {name} missing in the range" for name in self._failed))
+
+    @property
+    def _failed(self):
+        """{unknown: why an end of it has no law}"""
+        return {} if self.around is None else self.around.failed
 
     @property
     def answer(self) -> Answer:
@@ -523,6 +633,10 @@ class CalibrationResult(Result):
         )
         rms = display.text(law.residual_rms or 0, "fine m", ".2f")
         over = f"{counted(len(self._stretched), 'path')} of the 3D crossover, {self._forces}, missed by {rms} rms"
+        if self.around is not None:
+            over += f"; the range from {_say_shares(self.around.shares())}"
+        for name, text in self._say_tests():
+            over += f"; {name} {text}"
         bad = (*self._judge_law(), *law.outside_ends())
         use = "weavecell impact with fabric.law = law.json"
         advice = (("measure the compression of the fabric between platens",) if bad else ()) + (
@@ -629,13 +743,6 @@ class CalibrationResult(Result):
         """Write the mesh of the crossover at rest, crossover.vtu; returns its path."""
         return self.mesh.to_vtk(folder)
 
-    def _propagate_intervals(self):
-        """{"a", "b": (low, high)} of the law, from the intervals of the solid's constants; {} if
-        they are not known."""
-        if self.interval is None or isinstance(self.interval, Exception):
-            return {}
-        return self.interval.around(self.law)
-
     def _list_laws(self):
         """List (name, (a, b, rms) as `NamedValue`s): the law with intervals and spread, what it
         leaves out."""
@@ -656,9 +763,6 @@ class CalibrationResult(Result):
                 rows.append((name, _name_constants(own.a, own.b, own.residual_rms)))
         for end, constants in zip(("soft", "stiff"), law.assumed_range or ()):
             rows.append((f"{end} end", _name_constants(*constants)))
-        around = self._propagate_intervals()
-        if around:
-            rows.append(("of the solid", _name_constants(**around)))
         if done.ratio_law is not None:
             rows.append(("alternative", _name_constants(None, None, done.ratio_law.residual_rms)))
         return rows
@@ -683,12 +787,16 @@ class CalibrationResult(Result):
             for fitted, before, determined in _list_solid(self.solid):
                 remark = ""
                 if not determined:
-                    remark = ", not determined by the curve"
+                    remark = ", not determined by what was measured"
+                if fitted.name in NAMES_OF_SOLID and fitted.name not in self.solid.free:
+                    lines.append(
+                        (fitted.name, f"{fitted.text()}, kept ({_say_kept(fitted, determined)})")
+                    )
+                    continue
                 interval = f"{fitted.interval()}, 95 %{remark}"
                 lines.append((fitted.name, f"{fitted.text()} ({interval}); from {before.text()}"))
             lines += [("misfit", text) for text in _misfits(self.solid)]
-            if isinstance(self.interval, Exception):
-                lines.append(("intervals", f"none: {self.interval}"))
+            lines += self._say_tests()
         for name, (a, b, rms) in self._list_laws():
             text = f"{a.line()}, {b.line()}"
             if name == "alternative":
@@ -703,9 +811,10 @@ class CalibrationResult(Result):
             used += ", although the alternative fits the paths better"
         lines.append(("impacts use", used))
         lines += [("note", line) for line in (*self._judge_law(), *law.outside_ends())]
-        for end, why in self.failed.items():
-            text = f"the {end} end of the assumed solid law has no compression law: {why}"
-            lines.append(("no range", text))
+        if self.around is not None:
+            lines.append(("range from", _say_shares(self.around.shares())))
+        for name, why in self._failed.items():
+            lines.append(("no end", f"an end of {name} has no compression law: {why}"))
         if done.contact is not None:
             lines.append(("plies", done.contact.words()))
         for name, path in done.histories.items():
@@ -713,6 +822,22 @@ class CalibrationResult(Result):
                 share = display.text(path["path"][-1], "%", ".1f")
                 lines.append((name, f"ended at {share} of its path: {path.failed}"))
         return [f"{name:<13} {text}" for name, text in lines]
+
+    def _say_tests(self):
+        """(name, text) of each biaxial test."""
+        lines = []
+        tests = self.tests
+        if tests is None:
+            return lines
+        for one, before in zip(tests.comparisons, tests.before):
+            text = f"{one.role}, strains {one.ratio}: rms {_shares(one.shares)} of the greatest"
+            text += f", before the fit {_shares(before)}"
+            if not one.fitted:
+                text += f": {one.verdict}"
+            lines.append((f"test {one.name}", text))
+        if isinstance(self.surface, Exception):
+            lines.append(("no surface", str(self.surface)))
+        return lines
 
     def save(self, out: FilePath) -> None:
         """Write the files that stand at the top of this module to a folder."""
@@ -730,9 +855,11 @@ class CalibrationResult(Result):
         fabric = self.mesh.fabric
         if self.solid is not None:
             self.solid.write(folder / "solid.json")
-        around = self._propagate_intervals()
-        if around:
-            json_file.write(folder / "law-interval.json", interval_numbers(self.interval, around))
+            files.write(folder / FABRIC_KEYS, fabric_keys(self.solid))
+        if self.surface is not None and not isinstance(self.surface, Exception):
+            self.surface.write(folder / SURFACE)
+        if self.around is not None:
+            json_file.write(folder / RANGE, range_numbers(self.around))
         if not self.resumable:
             for name, path in done.histories.items():
                 path.write(folder / file_of(name))
@@ -837,10 +964,11 @@ class CalibrationResult(Result):
         return display.frame(columns)
 
     def _list_solid_constants(self):
-        """The constants of the solid, and which of them the platen curve determines."""
+        """The constants of the solid, which of them the measurements determine, and how it meets
+        these."""
         from pandas import DataFrame
 
-        from weavecell.report import pictures, pictures_crossover
+        from weavecell.report import pictures, pictures_biaxial, pictures_crossover
         from weavecell.report.page import Section, Table
 
         solid = self.solid
@@ -859,23 +987,84 @@ class CalibrationResult(Result):
             "fitted [SI]",
             "the fabric's file",
             "95 % interval",
-            "determined by the curve",
+            "determined",
         ]
-        lead = f"E_c, V_c and K_r of both yarns, fitted to {solid.curve.source}; misfit {_misfit(solid.misfit)}, "
-        lead += f"before the fit {_misfit(solid.misfit_before)}. "
+        lead = f"{', '.join(solid.free)} of both yarns, fitted to {solid.source}. "
+        drawn = []
+        tables = [Table.from_frame(DataFrame(rows, columns=columns))]
+        if solid.platens is not None:
+            platens = solid.platens
+            lead += f"Misfit {_misfit(platens.misfit)}, before the fit {_misfit(platens.misfit_before)}. "
+            caption = "Closure of the platens against their pressure."
+            drawn.append(pictures.draw_figure("solid", caption, pictures_crossover.plates, platens))
+        if self.tests is not None:
+            caption = (
+                "Load of a yarn against the strain along it: points measured, lines the crossover with the fitted "
+                "solid, dashed if predicted, dotted with the solid before the fit."
+            )
+            drawn.append(pictures.draw_figure("tests", caption, pictures_biaxial.draw_pulls, solid))
+            tables.append(Table.from_frame(self._table_of_tests(), "Biaxial tests"))
         if loose:
-            lead += f"The curve does not determine {' and '.join(loose)}."
+            lead += f"What was measured does not determine {' and '.join(loose)}."
         else:
-            lead += "The curve determines all three."
-        around = self._propagate_intervals()
-        if around:
-            a, b, _ = _name_constants(**around)
-            for one in (a, b):
-                lead += f" {one.name} of the law is then between {' and '.join(one.ends())} {one.unit_shown} (95 %)."
-        caption = "Closure of the platens against their pressure."
-        drawn = pictures.draw_figure("solid", caption, pictures_crossover.plates, solid)
-        table = Table.from_frame(DataFrame(rows, columns=columns))
-        return Section("solid", "The solid yarn from a plate test", lead, (drawn,), (table,))
+            lead += "What was measured determines all of them."
+        for one in _name_constants(self.law.a_interval, self.law.b_interval)[:2]:
+            lead += f" {one.name} of the law is then between {' and '.join(one.ends())} {one.unit_shown} (95 %)."
+        return Section("solid", "The solid yarn from tests", lead, tuple(drawn), tuple(tables))
+
+    def _table_of_tests(self):
+        """Biaxial tests with their misfit, as a DataFrame."""
+        from pandas import DataFrame
+
+        tests = self.tests
+        rows = []
+        for one, before, checked in zip(tests.comparisons, tests.before, tests.checked):
+            row = {"test": one.name, "strains": one.ratio, "role": one.role}
+            row["rms, warp / weft, of the greatest load"] = _shares(one.shares)
+            row["before the fit"] = _shares(before)
+            row[f"on the mesh {self.solid.sizes[1]}"] = _shares(checked)
+            row["verdict"] = "" if one.fitted else one.verdict
+            rows.append(row)
+        return DataFrame(rows)
+
+
+def fabric_keys(solid: SolidFit) -> str:
+    """Return fabric-keys.toml: the fitted solid as a fabric file has it."""
+    lines = [f"# from {solid.source} by `weavecell calibrate`"]
+    for name, law in zip(YARNS, solid.fabric.solid_laws or ()):
+        lines += ["", f"[solid.{name}]"]
+        for key, unit in SOLID_UNITS.items():
+            value = f"{getattr(law, key):.6g}{unit}"
+            source = {"source": f"as before the fit to {solid.source}", "status": "assumed"}
+            if key in solid.free:
+                low, high = solid.intervals[key]
+                words = f"fitted to {solid.source}, 95 %: {low:.4g} to {high:.4g}{unit}"
+                source = {"source": words, "status": "fitted"}
+            known = solid.started.sources.get(f"solid.{name}.{key}")
+            if key not in solid.free and known:
+                source = {part: known[part] for part in ("source", "status")}
+            entry = {"value": value} | source
+            parts = ", ".join(f"{part} = {json.dumps(text)}" for part, text in entry.items())
+            lines.append(f"{key} = {{ {parts} }}")
+    return "\n".join(lines) + "\n"
+
+
+def _shares(pair):
+    """Shares of warp and weft as "1.9 / 1.7 %"."""
+    return display.number(pair, "%", ".2g").replace(", ", " / ") + " %"
+
+
+def _say_shares(shares):
+    """What makes the range, the largest first."""
+    parts = [f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.005]
+    return ", ".join(parts) + " of its variance"
+
+
+def _say_kept(fitted, determined):
+    """What the measurements say of a constant that was not fitted."""
+    if determined:
+        return f"they would tell it: {fitted.interval()}, 95 %; --constants"
+    return "they do not tell it"
 
 
 def _name_constants(a, b, rms=None, rms_name="rms"):
@@ -918,9 +1107,12 @@ def _explain_end(name, path):
 
 
 def _misfits(solid):
-    yield f"{_misfit(solid.misfit)}, before {_misfit(solid.misfit_before)}, to {solid.curve.source}"
-    if solid.misfit_checked is not None:
-        yield f"on the mesh {solid.sizes[1]}: {_misfit(solid.misfit_checked)}"
+    platens = solid.platens
+    if platens is None:
+        return
+    yield f"{_misfit(platens.misfit)}, before {_misfit(platens.misfit_before)}, to {platens.curve.source}"
+    if platens.misfit_checked is not None:
+        yield f"on the mesh {solid.sizes[1]}: {_misfit(platens.misfit_checked)}"
 
 
 def _misfit(of):

@@ -232,7 +232,8 @@ def biaxial(
     end_displacement : displacement of each yarn end, of both yarns or of warp and weft [m]
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
-    domain : the whole crossover, or a periodic cell of 2 x 2 yarns
+    domain : the whole crossover, or a periodic cell: 2 x 2 yarns of plain weave, the least that
+        repeats of a twill
     check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
@@ -460,7 +461,27 @@ def _plan(
     mesh = sections.pop("mesh", "coarse")
     shape = meshes.options_of(sections, Sections)
     fabric = meshes.resolve_fabric_for_3d(fabric)
+    _check_weave(fabric, case, domain)
     quantities.note(_list_numbers(options, fabric))
     return CasePlan(
         fabric, case, solve, options, domain, mesh, {"size": meshes.size(mesh), **shape}
     )
+
+
+def _check_weave(fabric, case, domain):
+    """InputError of a weave with floats whose cell is not solved, or not in this case or domain."""
+    pattern = fabric.weave.pattern
+    if pattern.is_plain:
+        return
+    if case != "biaxial":
+        line = f"is a {pattern.name}, whose cell is solved in biaxial tension alone"
+        raise InputError(line, key="fabric", value=fabric.name)
+    if pattern.cell[2] > 0 or pattern.has_groups or not pattern.has_like_crossings:
+        line = (
+            f"is a {pattern.name}: of weaves with floats only cells of even twills as 2/2 are solved; in groups of "
+            "yarns, 3/1 twill and satin no equilibrium was found up to the strength"
+        )
+        raise InputError(line, key="fabric", value=fabric.name)
+    if domain != "periodic":
+        allowed = f"periodic: one crossover of a {pattern.name} is no cell of it"
+        raise InputError(key="domain", value=domain, allowed=allowed)

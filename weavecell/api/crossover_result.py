@@ -87,6 +87,8 @@ class CrossoverResult(Result):
         found = (
             *crossover_checks.of_mesh(self.mesh, self.fabric.weave.thickness),
             *crossover_checks.of_paths([self.record]),
+            *crossover_checks.of_pressing(self.record),
+            *crossover_checks.of_strength(self.record, self.fabric),
         )
         if "astray" not in self.record.columns:
             return found

@@ -326,15 +326,16 @@ def _whole_numbers(values, count, key, allowed):
 def build(
     fabric: Fabric, domain: str, count: Sequence[int] | None = None, **options: Any
 ) -> YarnMesh:
-    """Mesh a quarter or whole crossover, the periodic cell of 2 x 2, or a patch of `count` (n, m)
-    yarns.
+    """Mesh a quarter or whole crossover, the periodic cell (of plain weave 2 x 2 yarns, of others the
+    least, `Pattern.cell`), or a patch of `count` (n, m) yarns.
 
     `options` are those of `meshing.crossover.build`.
     """
     from meshing import crossover, patch
 
     if domain == "periodic":
-        count = PERIODIC
+        pattern = fabric.weave.pattern
+        count = PERIODIC if pattern.is_plain else pattern.cell[:2]
     if count is None:
         return crossover.build(fabric, domain=domain, **options)
     return patch.build(fabric, count, **options)

@@ -10,6 +10,7 @@ import numpy as np
 from fabrics.assumed import friction_between_yarns
 from fabrics.base.errors import InputError
 from fabrics.base.record import Record
+from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 
 
@@ -58,7 +59,23 @@ def tensions(fabric: Fabric, record: Record) -> dict[str, Any]:
     numbers |= {f"greatest {name} [N]": record[name].max() for name in ("T1", "T2")}
     if np.any(record["broken"]):
         numbers["bars failed at the end [-]"] = np.max(record["broken"][-1])
+    # of the crossings of a cell; a single crossover has its law of several paths by `calibrate`
+    if "d_c" in record.columns and "crossings" in record.facts:
+        numbers |= _law_of_crossings(record)
     return numbers
+
+
+def _law_of_crossings(record):
+    """The law of compression of the crossings along one path, if it reaches contact."""
+    try:
+        law = CompressionLaw.fit(record["F_c"], record["d_c"])
+    except InputError:
+        return {}
+    return {
+        "law of the crossings on this path: a [mm]": 1e3 * law.a,
+        "law of the crossings on this path: b [mm N^(1/3)]": 1e3 * law.b,
+        "rms of this law [um]": 1e6 * (law.residual_rms or 0.0),
+    }
 
 
 def shear(fabric: Fabric, record: Record) -> dict[str, Any]:

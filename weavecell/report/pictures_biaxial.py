@@ -10,6 +10,7 @@ import numpy as np
 from weavecell.report.pictures_style import BLUE, COLOURS, FAINT, INK
 
 if TYPE_CHECKING:
+    from unitcell3d.identify.solid_record import SolidFit
     from weavecell.studies.biaxial_fit import BiaxialFit, Comparison
 
 WIDTH = 9.0
@@ -32,6 +33,26 @@ def draw_tests(pyplot: Any, found: BiaxialFit, title: str) -> Any:
         axes.axhline(0.0, color=INK, lw=0.6)
         axes.legend()
     figure.suptitle(title)
+    return figure
+
+
+def draw_pulls(pyplot: Any, fit: SolidFit) -> Any:
+    """Draw load per yarn against the fabric's strain: measured points, the crossover with the fitted
+    solid, and with that of the file."""
+    figure, panels = pyplot.subplots(1, 2, figsize=(WIDTH, 4.8))
+    for m, (axes, family) in enumerate(zip(panels, ("warp", "weft"))):
+        for k, one in enumerate(fit.pulls):
+            colour = COLOURS[k % len(COLOURS)]
+            strain = 100 * one.strain[:, m]
+            dash = "-" if one.fitted else "--"
+            axes.plot(strain, one.load[:, m], ".", ms=4, color=colour, alpha=0.5)
+            axes.plot(strain, one.before[:, m], ":", lw=1, color=colour)
+            axes.plot(
+                strain, one.computed[:, m], dash, color=colour, label=f"{one.name}, {one.role}"
+            )
+        axes.set(xlabel=f"strain along the {family} [%]", ylabel=f"load of a {family} yarn [N]")
+        axes.axhline(0.0, color=INK, lw=0.6)
+        axes.legend()
     return figure
 
 

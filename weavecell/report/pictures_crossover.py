@@ -194,7 +194,7 @@ def plates(pyplot: Any, fit: Any) -> Any:
 
     Parameters
     ----------
-    fit : unitcell3d.identify.solid_record.SolidFit
+    fit : unitcell3d.identify.solid_record.PlatenClosures
     """
     figure, axes = pyplot.subplots(figsize=(8.6, 4.6))
     pressure = MPA * fit.pressure

@@ -265,13 +265,13 @@ class BiaxialFit:
     def checks(self) -> tuple[Indicator, ...]:
         """The indicators of centreline, determination, residuals and predictions."""
         found = []
-        if self.model.centreline == "cosine":
+        if not self.model.straight:
             found.append(judge_centreline(self.model.fabric))
         widest = max((one for one in self.constants if not one.is_start), key=_spread, default=None)
         if widest is not None:
             meaning = f"half width of the 95 % interval of {widest.name} over its value"
             found.append(WIDEST.judge(widest.spread, meaning))
-        found.append(LIKENESS.judge(max(_likeness(one.residual) for one in self.fitted)))
+        found.append(LIKENESS.judge(max(find_likeness(one.residual) for one in self.fitted)))
         if self.predicted:
             worst = max(self.predicted, key=lambda one: np.nanmax(one.missed))
             meaning = f"rms of the loads of test {worst.name}, without noise, over the greatest of all tests"
@@ -682,8 +682,8 @@ def _rms(residuals):
     return found[0], found[1]
 
 
-def _likeness(residuals):
-    """Correlation of neighbours in the columns of residuals (n, 2), the larger one."""
+def find_likeness(residuals: FloatArray) -> float:
+    """Compute the correlation of neighbours in the columns of residuals (n, 2), the larger one."""
     found = [0.0]
     for column in residuals.T:
         known = column[np.isfinite(column)]

@@ -4,12 +4,18 @@ A table of users (`fabrics.base.tables`) has a row for each measured state,
 
     test, warp strain [%], weft strain [%], warp load [N], weft load [N]
 
+Laboratories head it otherwise too: "ratio" or "specimen" in place of "test", "tension" or "force" in
+place of "load", and loads per width of the fabric, such as "warp tension [kN/m]", which the spacing of
+the yarns makes loads of one yarn (`fabrics.base.tables.SYNONYMS`).
+
 Rows of one name are one test, in the order of the file. An empty strain is
 that of a direction which is free: it carries no load. An empty load was not measured.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import nan
 
@@ -79,20 +85,18 @@ class BiaxialTest:
         return np.array(found)
 
 
-def read(path: FilePath) -> list[BiaxialTest]:
+def read(path: FilePath, spacing: Sequence[float]) -> list[BiaxialTest]:
     """Read the tests of a CSV file, in the order of their first rows.
+
+    Parameters
+    ----------
+    spacing : (warp, weft) [m] of the yarns, by which loads per width are those of one yarn
 
     Raises
     ------
     InputError : one line naming the file, the line, the value and what is allowed
     """
-    table = read_table(
-        path,
-        {TEST: WORDS} | UNITS,
-        what="biaxial tests",
-        example="warp strain [%]",
-        optional=LOADS,
-    )
+    table, widths = _read_rows(path, spacing)
     if not any(name in table.cells for name in LOADS):
         allowed = f"with {' or '.join(LOADS)} [N]"
         raise InputError(file=path, key="columns", value=", ".join(table.cells), allowed=allowed)
@@ -100,11 +104,34 @@ def read(path: FilePath) -> list[BiaxialTest]:
     for line, cells in table.rows():
         if not cells[TEST]:
             raise InputError(file=path, key=f"{line}, {TEST}", value="", allowed="a name")
-        values = [_value(table, line, name, cells.get(name, "")) for name in UNITS]
+        values = [
+            widths.get(name, 1.0) * _value(table, line, name, cells.get(name, "")) for name in UNITS
+        ]
         rows.setdefault(cells[TEST], []).append(values)
     if not rows:
         raise InputError("has no row", file=path, allowed="a heading and a row for each state")
     return [_test(name, np.array(values), path) for name, values in rows.items()]
+
+
+def _read_rows(path, spacing):
+    """(Table, {load that is per width: [m] of a yarn})"""
+
+    def read_with(unit):
+        return read_table(
+            path,
+            {TEST: WORDS} | UNITS | dict.fromkeys(LOADS, unit),
+            what="biaxial tests",
+            example="warp strain [%]",
+            optional=LOADS,
+        )
+
+    try:
+        return read_with("N"), {}
+    except InputError:
+        # of both families, or the first words stand
+        with suppress(InputError):
+            return read_with("N/m"), dict(zip(LOADS, spacing))
+        raise
 
 
 def _value(table, line, name, cell):

@@ -17,6 +17,7 @@ from fabrics.base.record import Record
 from shellfabric.membrane.indicator import Check, Indicator
 
 if TYPE_CHECKING:
+    from fabrics.fabric import Fabric
     from fabrics.surface import ResponseSurface
 
 DISTORTION = Check(
@@ -45,6 +46,19 @@ CUT_SHORT = Check(
     "share of its path that the crossover did not go, since no equilibrium was found",
     "a finer mesh; state how far it went",
 )
+PRESSED = Check(
+    "pressure not reached",
+    0.01,
+    "share of the pressure asked for that is missing where the platens have closed to half their distance at rest",
+    "a lower pressure; state which one was reached",
+)
+BEYOND_STRENGTH = Check(
+    "tension beyond the strength",
+    1.05,
+    "greatest tension of a yarn over its strength: fibres do not fail on this path",
+    "a smaller displacement, or a path with failing fibres",
+    note=1.0,
+)
 # of a surface
 FORCES = ("T1", "T2", "F_c")
 
@@ -71,3 +85,25 @@ def of_paths(paths: Iterable[Record]) -> tuple[Indicator, ...]:
     """Return the Indicators of paths that were to be gone to their ends: of the one that failed first."""
     left = [1 - float(path["path"][-1]) if path.failed else 0.0 for path in paths]
     return (CUT_SHORT.judge(max(left)),) if left else ()
+
+
+def of_pressing(record: Record) -> tuple[Indicator, ...]:
+    """Return the Indicators of plies that were to be pressed to a pressure; none of other records."""
+    asked = record.facts.get("pressure_asked")
+    if asked is None:
+        return ()
+    return (PRESSED.judge(max(1 - float(record["pressure"][-1]) / asked, 0.0)),)
+
+
+def of_strength(record: Record, fabric: Fabric) -> tuple[Indicator, ...]:
+    """Return the Indicators of tensions that no yarn of the fabric bears; none of records without
+    tensions of warp and weft."""
+    strengths = [yarn.strength for yarn in fabric.weave.yarns]
+    pairs = [
+        (float(np.max(record[name])), strength)
+        for name, strength in zip(("T1", "T2"), strengths)
+        if name in record.columns
+    ]
+    if len(pairs) < 2:
+        return ()
+    return (BEYOND_STRENGTH.judge(max(tension / strength for tension, strength in pairs)),)

@@ -21,8 +21,14 @@ def woven(text):
 
 
 def length_by_pieces(w, h):
-    """Mean length over a spacing of a yarn that changes sides over every other one: a cosine of the height
-    h, then straight."""
+    """Mean length over a spacing of a yarn that changes sides over every other one: straight from the height
+    h to -h, then level."""
+    return 0.5 * (2 * np.hypot(w, h) + 2 * w)
+
+
+def length_at_rest(w, h):
+    """The same of the weave at rest, whose changes of sides are cosines: its yarns are slack until they are
+    straight."""
     k = 0.5 * np.pi / w
     cosine = quad(lambda x: np.hypot(1.0, k * h * np.sin(k * x)), -w, w, epsabs=0, epsrel=1e-12)[0]
     return 0.5 * (cosine + 2 * w)
@@ -35,20 +41,15 @@ def test_a_crossing_closes_with_the_lengths_of_a_centreline_in_pieces(form):
     weave = fabric.weave
     law = fabric.laws
     w0 = weave.w
-    rest = [
-        brentq(lambda h, m=m: length_by_pieces(w0[m], h) - weave.S0[m], 0, w0[m]) for m in (0, 1)
-    ]
+    rest = [brentq(lambda h, m=m: length_at_rest(w0[m], h) - weave.S0[m], 0, w0[m]) for m in (0, 1)]
     w = [half * stretch for half, stretch in zip(w0, STRETCHES)]
 
     def force_of(m, h):
         T = weave.yarns[m].EA * (length_by_pieces(w[m], h) / weave.S0[m] - 1)
         step = 1e-5 * w[m]
         slope = (length_by_pieces(w[m], h + step) - length_by_pieces(w[m], h - step)) / (2 * step)
-        if form == "variational":
-            return T * slope / (np.pi / 4), T
-        # a yarn leaves every second side of its crossings at the angle of the cosine
-        k = 0.5 * np.pi * h / w[m]
-        return T * k / np.hypot(1.0, k), T
+        # a yarn pulls at every second side of its crossings, along its straight way
+        return T * slope, T
 
     def height(m, F):
         free = 0.0

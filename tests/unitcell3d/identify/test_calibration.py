@@ -17,7 +17,6 @@ from meshing.mesh_plan import Plan, with_room
 from shellfabric.cell.model import CellModel
 from shellfabric.membrane import quality
 from unitcell3d.cases.biaxial_and_platens import first_reached
-from unitcell3d.identify.assumed_range import _packed_later
 from unitcell3d.identify.calibrate import (
     BEYOND,
     BOTH,
@@ -28,6 +27,7 @@ from unitcell3d.identify.calibrate import (
     run_job,
 )
 from unitcell3d.identify.calibration import ONE_LAW
+from unitcell3d.identify.law_range import _packed_later
 
 
 @pytest.fixture(scope="module")
@@ -266,6 +266,6 @@ def test_the_ends_of_an_assumed_solid_are_packed_later_than_the_mesh():
     fabric = with_room(assumed.with_solid_laws(catalogue.load(file)))
     dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
     assert max(dense) > 0.9
-    for name, end in assumed.solid_ends(fabric).items():
-        laws = _packed_later(end, name, "coarse").solid_laws
+    for end in assumed.solid_ends(fabric).values():
+        laws = _packed_later(end, "coarse").solid_laws
         assert all(law.V_c > Vf0 for law, Vf0 in zip(laws, dense))

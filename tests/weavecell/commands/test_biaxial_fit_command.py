@@ -123,3 +123,46 @@ def test_a_cell_that_shots_do_not_have_is_handed_on_as_a_surface(tmp_path):
     for m, limit in ((1, 850), (2, 80)):
         read = table.values[f"N{m}"][near[0], near[1]]
         assert read == pytest.approx(float(state[f"N{m}"]), abs=0.01 * limit)
+
+
+def test_a_constant_that_is_kept_though_the_tests_exclude_it_is_a_doubt(tmp_path):
+    """b of the catalogue is no third of that which made the tests; with its own it is none. Three fitted ratios are not
+    told to try another."""
+    text = lines(CellModel(CLOTH, (LAW, LAW)), even=(1, 1), across=(0.5, 1), along=(1, 0.4))
+    (tmp_path / "tests.csv").write_text(text)
+    for b, doubted in ((0.3 * LAW.b, True), (LAW.b, False)):
+        law = CompressionLaw(LAW.a, b)
+        given = replace(CLOTH, laws=(law, law))
+        found = wc.calibrate(given, biaxial=tmp_path / "tests.csv", constants="a")
+        assert ("the tests exclude the b that was kept: fit a and b" in found.doubts) == doubted
+    loose = [
+        one
+        for one in wc.calibrate(CLOTH, biaxial=tmp_path / "tests.csv").lines()
+        if "do not determine" in one
+    ]
+    assert not any("another ratio" in line for line in loose)
+
+
+LABORATORY = "Ratio;Strain warp (%);Strain weft (%);Warp tension [kN/m];Weft tension [kN/m]"
+
+
+def test_a_file_as_laboratories_write_it_is_the_same(tmp_path):
+    """Ratio, strain first or last, tension per width, semicolons and decimal commas: the same constants."""
+    text = lines(CellModel(CLOTH, (LAW, LAW)), even=(1, 1), across=(0.5, 1))
+    (tmp_path / "mine.csv").write_text(text)
+    rows = [LABORATORY]
+    for line in text.splitlines()[1:]:
+        name, *cells = line.split(", ")
+        numbers = np.array(cells, float)
+        numbers[2:] /= 1e3 * np.array(CLOTH.weave.yarn_spacing)
+        name = {"even": "1:1", "across": "1:2"}[name]
+        rows.append(";".join([name, *(f"{number:.9f}".replace(".", ",") for number in numbers)]))
+    (tmp_path / "theirs.csv").write_text("\n".join(rows))
+    mine, theirs = (
+        wc.calibrate(CLOTH, biaxial=tmp_path / f"{name}.csv") for name in ("mine", "theirs")
+    )
+    assert [one.name for one in theirs.tests] == ["1:1", "1:2"]
+    for key in ("a", "b"):
+        assert getattr(theirs.law, key) == pytest.approx(getattr(mine.law, key), rel=1e-5)
+    warp, weft = CLOTH.weave.yarn_spacing
+    assert warp != pytest.approx(weft)

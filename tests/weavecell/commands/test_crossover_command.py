@@ -1,6 +1,7 @@
 """`weavecell crossover`: the numbers of each case are those of its record, and what it keeps of a failed one."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from fabrics import catalogue
 from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
 from tests.weavecell.written import table_of
-from unitcell3d.cases import load_path
+from unitcell3d.cases import load_path, periodic_cell
 from weavecell.api import crossover_result
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
@@ -70,6 +71,22 @@ def test_the_numbers_of_a_case_are_those_of_its_record(run, tmp_path, case):
         assert found["fabric's data (Table 4-1): gamma1 [rad]"] == 0.24
 
 
+def test_a_tension_that_no_yarn_bears_is_a_doubt(run):
+    """Fibres do not fail on a path of given displacements: S-720 has yarns of 316 N."""
+    _, _, _, content, record = run("biaxial", "--end-displacement '34 um'")
+    assert record["T1"].max() > 1.05 * 316
+    assert "tension beyond the strength" in content["doubts"]
+    assert "tension beyond the strength" not in run("biaxial", CASES["biaxial"])[3].get(
+        "doubts", ""
+    )
+
+
+def test_a_pressure_that_is_not_reached_is_a_doubt(run):
+    content, record = run("platens", "--pressure '2 GPa'")[3:]
+    assert record["pressure"][-1] < 1e9
+    assert "pressure not reached" in content["doubts"]
+
+
 def test_a_failed_case_keeps_what_it_computed(run):
     code, _, err, content, record = run("path", CASES["path"], path=CRUSHED)
     assert code == 3
@@ -90,3 +107,45 @@ def test_the_example_of_a_path_runs(run):
     assert code == 0, err
     assert record["T1"].max() > 100
     assert abs(record["T1"][-1] - record["T1"][0]) < 1e-3 * record["T1"].max()
+
+
+TWILL = 'weave = "twill 2/2"\nname = "t"\nsection = "conforming"\n' + "".join(
+    f"""[{family}]
+linear_density = "158 tex"
+fibre_density = "1.44 g/cm^3"
+modulus = "90 GPa"
+tenacity = "2000 mN/tex"
+failure_strain = "3.3 %"
+count = "{count} / cm"
+crimp = "{crimp} %"
+"""
+    for family, count, crimp in (("warp", 7.9, 1.1), ("weft", 7.5, 0.7))
+)
+
+
+def test_a_twill_is_stretched_in_its_own_cell(succeed, command, tmp_path, monkeypatch):
+    """Two by two yarns, half of the repeat; one crossover of it, its shear and a basket are refused in a line."""
+    monkeypatch.setattr(periodic_cell, "biaxial", partial(periodic_cell.biaxial, rows=1))
+    (tmp_path / "t.toml").write_text(TWILL)
+    line = "crossover biaxial t.toml --end-displacement '0.1 um' --mesh 3,2,1"
+    succeed(f"{line} --domain periodic --out c")
+    record = Record.read(tmp_path / "c" / "case.h5")
+    assert record.facts["crossings"] == 4
+    assert record.failed == ""
+    assert record["d_c"].shape == record["T1"].shape
+    (tmp_path / "b.toml").write_text(TWILL.replace("twill 2/2", "basket 2x2"))
+    for words, said in (
+        (line, "domain = 'whole': must be periodic: one crossover of a twill 2/2 is no cell of it"),
+        (
+            f"{line} --domain periodic".replace("t.toml", "b.toml"),
+            "FABRIC = 't': is a basket 2x2: of weaves",
+        ),
+        (
+            "crossover shear t.toml --domain periodic",
+            "whose cell is solved in biaxial tension alone",
+        ),
+    ):
+        code, _, err = command(f"{words} --out d")
+        assert code == 2
+        assert said in err
+    assert not (tmp_path / "d").exists()
