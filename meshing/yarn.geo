@@ -10,9 +10,10 @@
 // A point of the faces is the centreline moved by (v, q): (s, axis + v, z(s) -+ q(v)) in a warp
 // (family 0), (axis + v, s, z(s) -+ q(v)) in a weft (family 1), with
 //
-//     z(s) = side (height cos(pi (s - first) / (2 half_length)) + shift / 2)
+//     z(s) = side height cos(pi (s - first) / (2 half_length)) + up shift / 2
 //
-// from a crossing where it is on one side to one where it is on the other; level where it floats on.
+// from a crossing where it is on one side to one where it is on the other; level where it floats on. The
+// shift is that of the whole yarn, by its side `up` at the first crossing.
 // ups(m + 1) is the side, +1 or -1, at crossing m, from the one before the first to the one behind the last.
 
 Macro Centreline
@@ -21,7 +22,7 @@ Macro Centreline
   If (ups(at + 1) == ups(at + 2))
     angle = 0;
   EndIf
-  z = ups(at + 1) * (height(family) * Cos(angle) + shift / 2);
+  z = ups(at + 1) * height(family) * Cos(angle) + ups(1) * shift / 2;
 Return
 
 Macro Section

@@ -324,9 +324,10 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Ed
                     for g in (one, other)
                 ]
                 if rises[0] * rises[1] < -1e-3 * thick**2:
-                    pair = Edges(images.points, one[:, -1], other[:, 0], 1 - family, (thick, thick))
+                    pair = one[:, -1], other[:, 0], 1 - family, (thick, thick)
                     found.append((family, pair))
-    return found
+    # all images are there now
+    return [(family, Edges(images.points, *pair)) for family, pair in found]
 
 
 def sides(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Sides]]:

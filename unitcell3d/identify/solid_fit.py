@@ -427,7 +427,8 @@ class _Fit:
         x = found.x
         way = min(wanted * deviation, FIRST_WAY)
         reached = 0.0
-        for _ in range(SEARCH):
+        was_met = False
+        for _ in range(2 * SEARCH):
             x = np.clip(x + side * (way - reached) * along, *BOUNDS)
             reached = way
             misfit, jacobian = self.evaluate(x)
@@ -440,8 +441,13 @@ class _Fit:
             x = np.clip(self._full(x, x[self.free] + kept.T @ step), *BOUNDS)
             left = float(np.sum((misfit + slopes @ step) ** 2))
             rise = np.sqrt(max(left - least, 0.0))
-            if abs(rise / wanted - 1) < 0.1:
+            # met only if it stays so with the others fitted once more: their valley is bent
+            met = abs(rise / wanted - 1) < 0.1
+            if met and was_met:
                 break
+            was_met = met
+            if met:
+                continue
             if rise < wanted and way >= FURTHEST_WAY:
                 return side * np.inf
             way = min(way * float(np.clip(wanted / max(rise, 1e-3), 0.4, 2.5)), FURTHEST_WAY)
