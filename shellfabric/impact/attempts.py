@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from fabrics.base.errors import InputError
@@ -44,14 +45,21 @@ class Attempt:
 
     Parameters
     ----------
-    target : Pack that is struck
+    at_full_step : Pack that is struck, with the time step of its set-up
     step_factor : [-] 1, or that on the time step of a run that is made again with a shorter one
     widened : why all yarns are resolved in place of those of a zone; "" of a run with the zone
     """
 
-    target: Pack
+    at_full_step: Pack
     step_factor: float = 1.0
     widened: str = ""
+
+    @cached_property
+    def target(self) -> Pack:
+        """The Pack that is struck."""
+        if self.step_factor == 1.0:
+            return self.at_full_step
+        return self.at_full_step.at_shorter_step(self.step_factor)
 
     def follow(self, solver: Any) -> Attempt | None:
         """Return the run that has to follow one that has ended; None if its result counts."""
@@ -68,20 +76,20 @@ class Attempt:
 
     def shorten(self, factor: float) -> Attempt:
         """Return the run with its step times a factor."""
-        return replace(self, target=self.target.at_shorter_step(factor), step_factor=factor)
+        return replace(self, step_factor=factor)
 
     def widen(self, reasons: str = "") -> Attempt | None:
         """Return the run with all yarns resolved; None if the zone is not the default one, if yarns cannot
         be resolved as far as the edges, or if memory is too small for it."""
-        zone = self.target.default_zone
+        zone = self.at_full_step.default_zone
         if zone is None:
             return None
         try:
-            wider = self.target.with_all_yarns()
+            wider = self.at_full_step.with_all_yarns()
             pack_memory.check(wider.plies)
         except InputError:
             return None
-        before, after = (sum(map(crossings_of, pack.plies)) for pack in (self.target, wider))
+        before, after = (sum(map(crossings_of, pack.plies)) for pack in (self.at_full_step, wider))
         if after > before:
             why = (
                 f"a zone of {1e3 * zone:g} mm was too small ({reasons}): run again with all yarns resolved, "
@@ -92,7 +100,7 @@ class Attempt:
                 f"a zone of {1e3 * zone:g} mm holds all {after:,} crossings of the panel, with a rim beside the "
                 f"edges ({reasons}): run again without a rim"
             )
-        return replace(self, target=wider, widened=why)
+        return replace(self, at_full_step=wider, widened=why)
 
     def setup_of(self, setup: ImpactSetup) -> ImpactSetup:
         """Return the set-up as it is run, with the zone of this run."""

@@ -415,7 +415,8 @@ def _unknown(key, value, known, function):
     likely = [
         name for name in known if holds_tables or fields.get(name) is None or fields[name].title
     ]
-    near = nearest(key, likely)
+    alike = _mean_the_same(known)
+    near = nearest(key, likely) or alike.get(nearest(key, alike))
     hint = ";"
     if near:
         hint = f", did you mean {near}?"
@@ -424,6 +425,17 @@ def _unknown(key, value, known, function):
         key=key,
         value=value,
     )
+
+
+def _mean_the_same(known):
+    """{what users call a keyword: its name}, as in files."""
+    from fabrics.base.schema import tables_in
+    from weavecell.scenes.impact import Scene
+
+    groups = {name for name in known.values() if name}
+    tables = [kind for name in groups for kind in tables_in(Scene.model_fields[name].annotation)]
+    words = {word: key for table in tables for word, key in table.synonyms.items()}
+    return {word: key for word, key in words.items() if key in known}
 
 
 def name_as_keywords(problem: InputError, flat: Sequence[str] | None = None) -> InputError:

@@ -216,11 +216,13 @@ class RunSize(_Size):
         again = 0.0
         needed = memory.needed(pack.plies, setup.snapshots, written=written)
         if setup.crossovers is not None:
-            notes = (*setup.crossovers.assumed_lines, *notes, *_forecast_all_yarns(pack, steps))
             series = Attempt(pack).list_series()
-            again = max(
-                sum(_forecast_cpu_time(setup, run.target)[1] for run in runs[1:]) for runs in series
-            )
+            wider = next((runs[-1].at_full_step for runs in series if runs[-1].widened), None)
+            of_wider = ()
+            if wider is not None:
+                of_wider = _forecast_all_yarns(pack, wider, steps)
+            notes = (*setup.crossovers.assumed_lines, *notes, *of_wider)
+            again = _forecast_again(setup, series, high)
         return cls(
             title,
             pack.elements,
@@ -334,15 +336,24 @@ def _forecast_cpu_time(setup, pack):
     return ceil(setup.end_time / pack.time_step) * numbers @ costs
 
 
-def _forecast_all_yarns(pack, steps):
-    """A line on the run that follows if the default zone of resolved yarns proves too small; none of others."""
-    from shellfabric.impact.attempts import Attempt
+def _forecast_again(setup, series, high):
+    """Highest CPU time [s] of the runs that may follow a first one of `high`; a shorter step takes as much more."""
+    of_packs = {id(series[0][0].at_full_step): high}
+    for *_, last in series:
+        pack = last.at_full_step
+        if id(pack) not in of_packs:
+            of_packs[id(pack)] = _forecast_cpu_time(setup, pack)[1]
+    return max(
+        sum(of_packs[id(run.at_full_step)] / run.step_factor for run in runs[1:]) for runs in series
+    )
+
+
+def _forecast_all_yarns(pack, wider, steps):
+    """The line on the run that follows, at the Pack `wider`, if the default zone of resolved yarns proves too
+    small."""
     from shellfabric.yarns.model import crossings_of
 
-    wider = Attempt(pack).widen()
-    if wider is None:
-        return ()
-    crossings = sum(map(crossings_of, wider.target.plies))
+    crossings = sum(map(crossings_of, wider.plies))
     low, high = (steps * crossings * cost for cost in OF_A_CROSSING)
     zone = f"a zone of {1e3 * pack.default_zone:g} mm"
     return (

@@ -115,15 +115,25 @@ class Target:
         from weavecell.studies import places
 
         given = self.setup
-        pinned = replace(self, setup=finish(replace(given, instead=None)))
+        if self.case is not None and "symmetry" in self.case.scene.panel.model_fields_set:
+            # resolved yarns have a part of the panel of their own, but what is asked for has to be one
+            with self.name_problems():
+                given.plain_panels()
+
+        def pin():
+            pinned = given
+            if given.instead is not None:
+                pinned = replace(given, instead=None)
+            return replace(self, setup=finish(pinned))
+
         if given.pinned or given.projectile.body == "metal" or given.surface is not None:
-            return pinned
+            return pin()
         setup = finish(places.resolve(given))
         try:
             check_impact(setup, target=setup.plain_target())
         except InputError:
             # a mesh of its own, say, which pinned yarns alone read, or a zone that does not fit the opening
-            return pinned
+            return pin()
         return replace(self, setup=setup)
 
     def as_run(self, widened: str) -> Target:

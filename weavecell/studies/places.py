@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -39,14 +40,12 @@ def strike_at(setup: ImpactSetup, along: tuple[float, float]) -> ImpactSetup:
     InputError : what resolved yarns do not have
     """
     x, y = (2 * float(share * w) for share, w in zip(along, setup.fabric.weave.w))
-    whole = replace(setup, impact_point=(x, y), symmetry="whole")
-    if setup.strength is not None or setup.angled:
-        return whole
     planes = tuple(setup.projectile.mirrored(axis) and not off for axis, off in enumerate((x, y)))
-    part = replace(whole, symmetry=next(name for name, has in SYMMETRIES.items() if has == planes))
-    try:
-        part.plain_panels()
-    except InputError:
-        # of edges or plies that are not alike on both sides; any other problem is of the whole too
-        return whole
-    return part
+    if any(planes) and setup.strength is None and not setup.angled:
+        symmetry = next(name for name, has in SYMMETRIES.items() if has == planes)
+        part = replace(setup, impact_point=(x, y), symmetry=symmetry)
+        # edges or plies may not be alike on both sides; any other problem is of the whole too
+        with suppress(InputError):
+            part.plain_panels()
+            return part
+    return replace(setup, impact_point=(x, y), symmetry="whole")

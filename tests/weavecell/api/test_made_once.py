@@ -1,4 +1,4 @@
-"""The set-up of a shot and its pack are made once, and what checks and forecasts asks these."""
+"""The set-up of a shot and its pack are made as seldom as can be, and what checks and forecasts asks these."""
 
 from collections import Counter
 
@@ -8,9 +8,26 @@ import weavecell as wc
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.plies.model import Pack
 
+PACK = {"plies": 2, "boundary": "free"}
 
-@pytest.mark.parametrize("plies", [{}, {"plies": 2, "boundary": "free"}])
-def test_a_shot_makes_its_set_up_and_its_pack_once(plies, monkeypatch):
+
+@pytest.mark.parametrize(
+    "plies, setups, packs",
+    [
+        # the set-up as it is read, with resolved yarns, with frictions on nose and between yarns in the middle of
+        # their ranges, struck on a yarn, and one with nothing chosen, from which a forecast says what differs; the
+        # pack with no table filled, by which yarns are found to be resolved as asked, that of the run, and that
+        # with all yarns resolved of the run that may follow it
+        ({}, 6, 3),
+        # with the friction between plies; of the first two packs each once more, as its grids are shifted
+        (PACK, 7, 5),
+        # as it is read, with friction on the nose, and one with nothing chosen
+        ({"crossovers": "pinned"}, 3, 1),
+    ],
+)
+def test_a_shot_makes_its_set_up_and_its_pack_as_seldom_as_can_be(
+    plies, setups, packs, monkeypatch
+):
     made = Counter()
     for kind in (ImpactSetup, Pack):
         own = kind.__post_init__
@@ -21,5 +38,4 @@ def test_a_shot_makes_its_set_up_and_its_pack_once(plies, monkeypatch):
 
         monkeypatch.setattr(kind, "__post_init__", count)
     wc.impact("S-720", "92.5 m/s", opening="40 mm", end_time="6 us", check=True, **plies)
-    # a second set-up has nothing chosen: a forecast says what differs from it
-    assert made == {ImpactSetup: 2, Pack: 1}
+    assert made == {ImpactSetup: setups, Pack: packs}

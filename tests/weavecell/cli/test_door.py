@@ -74,12 +74,9 @@ def test_no_message_has_an_option_of_the_command_line_in_it():
         ("FSP 18 gr", "FSP 1.10 g"),
         ("FSP 16 grain", "FSP 1.10 g"),
         ("FSP .22", "FSP 1.10 g"),
-        ("FSP 1.1 g", "FSP 1.10 g"),
-        ("fsp 1.1 g", "FSP 1.10 g"),
         ("FSP 200 grain", "FSP 13.4 g"),
         ("FSP 46 gr", "FSP 2.79 g"),
         ("RCC 1.04 g", "RCC 16 grain"),
-        ("sphere 12.1 mm", "sphere 12 mm"),
         ("FSP 20 g", None),
         ("FSP 8 g", None),
         ("bullet", None),
@@ -92,11 +89,24 @@ def test_a_projectile_is_suggested_by_its_value(name, suggested):
     assert (said and said[1]) == suggested
 
 
+@pytest.mark.parametrize("name", ["FSP 1.1 g", "fsp 1.1 g"])
+def test_a_projectile_is_the_only_one_that_a_name_means(name):
+    assert projectiles.entry(name) == projectiles.entry("FSP 1.10 g")
+
+
+def test_a_sphere_of_steel_is_one_of_any_diameter():
+    shape, data = projectiles.entry("sphere 12.1 mm")
+    assert (shape, data["mass"]["value"]) == (
+        "sphere",
+        "7.282 g",
+    )  # pi / 6 (12.1 mm)^3 of 7.85 g/cm^3
+
+
 def test_a_name_with_another_number_is_no_suggestion():
     assert nearest_name("S-721", catalogue.list_names()) is None
     assert nearest_name("S728", catalogue.list_names()) == "S-728"
-    assert nearest_name("gelatine 15 %", backings.list_names(), 0.6) is None
-    assert nearest_name("gelatin 10 %", backings.list_names(), 0.6) == "gelatine 10 %"
+    assert nearest_name("gelatine 15 %", backings.list_names()) is None
+    assert nearest_name("gelatin 10 %", backings.list_names()) == "gelatine 10 %"
 
 
 RUNS = {"projectile.strike_velocity": ["90 m/s"]}
@@ -109,6 +119,7 @@ TABLES = "must be a list of dicts with the keys of"
     [
         (lambda: wc.impact("S-720", "155 m/s", plys=2), "did you mean plies?"),
         (lambda: wc.impact("S-720", "155 m/s", plys=[{}]), "did you mean ply?"),
+        (lambda: wc.impact("S-720", "155 m/s", layers=2), "did you mean plies?"),
         (
             lambda: wc.impact("S-720", "155 m/s", ply=3),
             rf"{TABLES} \[\[panel.ply\]\]; equal plies are plies=3",
