@@ -278,12 +278,12 @@ def calibrate(
     **options: Unpack[ResumableKeywords],
 ) -> Plan[CalibrationResult | BiaxialFitResult]:
     """Solve the 3D crossover and fit its compression law: law.json, histories and a report. Needs
-    dolfinx and PETSc. Or fit the law to measured biaxial tests, which needs neither. Or fit the
-    solid of the yarns to such tests first, with both keywords.
+    dolfinx and PETSc. Or fit the law to measured biaxial tests, which needs neither.
 
-    The fabric has the linear density of its data sheet. With one job and the local executor
-    everything runs in this process; else in several, and a script that calls needs the guard `if
-    __name__ == "__main__":`. A finished path is kept at once, for resume.
+    With both keywords the solid of the yarns is fitted to such tests first. The fabric has the
+    linear density of its data sheet. With one job and the local executor everything runs in this
+    process; else in several, and a script that calls needs the guard `if __name__ == "__main__":`.
+    A finished path is kept at once, for resume.
 
     The curve of platen_curve is a CSV file headed, for example, "pressure [MPa], thickness [mm]":
     one ply between flat platens, loading only, at least five rows.
@@ -1063,7 +1063,7 @@ def _say_shares(shares):
 def _say_kept(fitted, determined):
     """What the measurements say of a constant that was not fitted."""
     if determined:
-        return f"they would tell it: {fitted.interval()}, 95 %; --constants"
+        return f"they would tell it: {fitted.interval()}, 95 %; {option('constants', '')}"
     return "they do not tell it"
 
 

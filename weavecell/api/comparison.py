@@ -286,7 +286,7 @@ class ComparisonResult(OfTwoPanels):
 
     Examples
     --------
-    >>> found = wc.compare("S-720", "S-728", shots=4, opening="30 mm", projectile="sphere 5.5 mm")
+    >>> found = wc.compare("S-720", "S-728", shots=8, opening="30 mm", projectile="sphere 5.5 mm")
     >>> low, high = found.interval  # [m/s] of A less B
     >>> low < found.difference.value < high
     True

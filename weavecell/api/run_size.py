@@ -155,7 +155,7 @@ class RunSize(_Size):
     --------
     >>> size = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us", check=True)
     >>> size.elements, size.steps
-    (441, 220)
+    (98, 80)
     """
 
     title: str

@@ -494,9 +494,9 @@ class ShotResult(ImpactRecord, Result):
     --------
     >>> shot = wc.impact("S-720", "150 m/s", opening="20 mm", end_time="10 us")
     >>> shot
-    ShotResult(S-720, 150 m/s: in flight, residual velocity 148.2 m/s, checks ok)
+    ShotResult(S-720, 150 m/s: in flight, residual velocity 148.3 m/s, checks ok)
     >>> f"{1e3 * shot.deflection[-1]:.1f} mm"
-    '1.6 mm'
+    '1.5 mm'
     >>> shot.to_vtk("shot").name
     'panel.pvd'
     """

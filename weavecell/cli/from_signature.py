@@ -10,6 +10,7 @@ is. A command of a group, such as `fabrics list`, has no folder of its own by de
 from __future__ import annotations
 
 import inspect
+import logging
 import os
 import re
 import warnings
@@ -97,7 +98,10 @@ def command(
             if getattr(result, "read_from", None) is not None:
                 print("done before with the same input and code")
             if verbose:
-                print(result.details(), *result.assumed, sep="\n")
+                print(result.details(), flush=True)
+                for line in result.assumed:
+                    # which prints it once
+                    logging.getLogger("weavecell").info(line)
                 print(*glossary.lines(result.details(), result.checks), sep="\n", flush=True)
                 checks.report(result.checks)
         elif result is not None:

@@ -48,7 +48,7 @@ def test_plots_show_without_a_magic_command_and_long_calls_have_a_bar(cells):
 
 def test_a_shot_shows_its_curve_and_labels_with_units(cells):
     deflection = r"largest deflection of the back face[^<]* \[mm\]</td>"
-    parts = rf"<b>S-720, 150 m/s: in flight.*data:image/png;base64,.*{deflection}"
+    parts = rf"<b>S-720, 150 m/s\nanswer +not decided: 148 m/s at the end.*data:image/png;base64,.*{deflection}"
     assert re.search(parts, cells[1][-1]["text/html"], re.DOTALL)
 
 

@@ -73,7 +73,8 @@ def test_pictures_show_clay_behind_the_fabric(record):
     grid = vtk.panel(record.final, record.quads)
     end = record.final[-1].time
     drawn = panel.face(end)
-    assert drawn[..., 1].min() == pytest.approx(0.0, abs=1e-9)
+    # nodes of a whole block's middle move by nanometres, as its fabric does
+    assert drawn[..., 1].min() == pytest.approx(0.0, abs=1e-8)
     assert drawn[..., 0].min() == pytest.approx(-drawn[..., 0].max())
     assert drawn[..., 2].max() == record.cuts[-1].face[..., 2].max()
     image = panel.image(grid, end).reshape(-1, 3).astype(float)

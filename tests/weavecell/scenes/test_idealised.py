@@ -105,7 +105,7 @@ def test_a_trellis_of_nothing_is_taken(make):
 def test_every_output_of_a_shot_says_that_its_fabric_is_idealised(make, succeed, tmp_path):
     make("idealised,true,,\n")
     (tmp_path / "shot.toml").write_text(SHOT)
-    terminal = succeed("impact", "shot.toml", "--out", "out")
+    terminal = succeed("impact", "shot.toml", "--verbose", "--out", "out")
     shot = wc.load("out")
     said = {
         "terminal": terminal,

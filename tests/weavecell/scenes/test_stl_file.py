@@ -251,7 +251,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit_and_not_with_another_file(
     """The folder holds what is needed to repeat the run."""
     (tmp_path / "body.stl").write_bytes(CUBE.read_bytes())
     (tmp_path / "scene.toml").write_text(toml(merged(SHOT, {"projectile": {"yaw": "20 deg"}})))
-    out = succeed("impact", "scene.toml", "--out", "whole")
+    out = succeed("impact", "scene.toml", "--verbose", "--out", "whole")
     assert "projectile: a body from an STL file of 1.1 g and 7.354 mm" in out
     told = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert told["energy_error_max"] < 0.0025
