@@ -28,6 +28,8 @@ SECTIONS = {
         "impact",
         "setup",
         "sweep",
+        "draw",
+        "run",
         "critical_velocity",
         "v50",
         "compare",

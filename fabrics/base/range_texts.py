@@ -1,7 +1,7 @@
 """Numbers that are given with a range: "0.15 to 0.25", "0.2 ± 0.05", "220 N ± 5 %".
 
 ± is one standard deviation; `read` cuts the distribution off at two, so that its ends are ends of a range
-like those of the other form, whose value is its middle. Any text for a number of `schema.ranged` keys
+like those of the other form, whose value is its middle. Any text for a number of ranged keys
 and of fabric files goes through here.
 """
 

@@ -99,6 +99,10 @@ def draw(
     labels : {name: value} of what is varied, which become columns of the table
     **options : keywords of `setup` beside a fabric
 
+    Returns
+    -------
+    RunTable, a row a shot
+
     Raises
     ------
     InputError : as `v50`
@@ -182,9 +186,9 @@ def run(table: RunTable, *, check: bool = False, **options: Unpack[ResumableKeyw
 
     Examples
     --------
-    >>> found = wc.run(wc.draw("S-728", 4, velocity="90 m/s", opening="30 mm"))
-    >>> sorted(set(found.shots["outcome"]))
-    ['perforated', 'stopped']
+    >>> slow, fast = (wc.draw("S-728", 1, velocity=v, opening="30 mm") for v in ("30 m/s", "120 m/s"))
+    >>> wc.run(slow + fast).shots["outcome"].tolist()
+    ['stopped', 'perforated']
     """
     if not isinstance(table, RunTable) or not table.rows:
         raise InputError(key="table", value=table, allowed="a table of draw(...), with rows")

@@ -620,10 +620,12 @@ class ShotResult(ImpactRecord, Result):
         if self.draws is not None:
             drawn = self.draws.shots
             return one_table.frame(one_table.columns(drawn, "v50") | list_drawn(drawn), "v50")
-        path = None if self.folder is None else self.folder / f"{out_folder.DRAWS}.csv"
-        if path is None or not path.is_file():
+        from weavecell.results.result_folder import open_folder
+
+        name = f"{out_folder.DRAWS}.csv"
+        if self.folder is None or not (self.folder / name).is_file():
             return one_table.frame({}, "v50")
-        return one_table.read_csv(path, "v50")
+        return open_folder(self.folder).read_table(name, "v50")
 
     def __dir__(self) -> list[str]:
         """The names that a user needs, for completion; the others of the record are there too."""

@@ -496,7 +496,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     none = {"weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0}
     curve = wc.v50("S-720", shots=8, batch=4, out=tmp_path, **none, **panel)
     assert curve.v50 == pytest.approx(found.critical_velocity, abs=20.0)
-    assert curve.plot().axes[1].get_ylabel() == "residual velocity [m/s]"
+    assert curve.plot().axes[0].get_ylabel() == "share that passes [-]"
 
 
 def test_a_shot_without_velocity_and_the_folder_of_a_set_up_are_refused_before_a_run(tmp_path):
