@@ -356,6 +356,8 @@ CHECKS: tuple[Check, ...] = (
     crossover_checks.OVERLAP,
     crossover_checks.MISSED,
     crossover_checks.CUT_SHORT,
+    crossover_checks.PRESSED,
+    crossover_checks.BEYOND_STRENGTH,
 )
 
 

@@ -507,11 +507,18 @@ def one_of(meaning: str, *names: str) -> Any:
     ]
 
 
-def named(meaning: str, *names: str) -> Any:
-    """Declare a choice of one of some texts, for a field of a dataclass that holds objects too."""
+def named(meaning: str, *names: str, kind: type | None = None) -> Any:
+    """Declare a choice of one of some texts, for a field of a dataclass that holds objects too.
 
-    def validate(value):
-        if value in names:
+    Parameters
+    ----------
+    kind : of the objects that the Python interface may give in place of a text
+    """
+
+    def validate(value, info):
+        if isinstance(value, str) and value in names:
+            return value
+        if info.context and kind is not None and isinstance(value, kind):
             return value
         raise ValueError("not allowed")
 

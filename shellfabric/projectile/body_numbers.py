@@ -29,14 +29,22 @@ class BodyNumbers:
     core: Annotated[
         Any,
         key(
-            named('metal of the core of a body "metal"; if not given lead', *metals.list_names()),
+            named(
+                'metal of the core of a body "metal"; if not given lead',
+                *metals.list_names(),
+                kind=metals.Metal,
+            ),
             "metal",
         ),
     ] = None
     jacket: Annotated[
         Any,
         key(
-            named('metal of the jacket of a body "metal"; none if not given', *metals.list_names()),
+            named(
+                'metal of the jacket of a body "metal"; none if not given',
+                *metals.list_names(),
+                kind=metals.Metal,
+            ),
             "metal",
         ),
     ] = None

@@ -380,14 +380,10 @@ def test_a_fabric_says_its_weave(own):
     assert "weave" not in dict(derived.derive_rows(plain))
 
 
-@pytest.mark.parametrize("command", ["biaxial", "mesh", "surface", "impact"])
+@pytest.mark.parametrize("command", ["biaxial", "mesh", "surface"])
 def test_a_command_refuses_it_in_one_line_and_writes_nothing(command, own, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     target = str(own("satin 5"))
-    if command == "impact":
-        scene = '[fabric]\nfile = "k735.toml"\n[projectile]\nname = "FSP 1.10 g"\nstrike_velocity = "90 m/s"\n'
-        (tmp_path / "shot.toml").write_text(scene + '[panel]\nopening = "101 mm"\n')
-        target = "shot.toml"
     done = CliRunner().invoke(program(), [command, target, "--out", "made"])
     assert isinstance(done.exception, InputError)
     assert done.exception.exit_code == 2

@@ -440,7 +440,10 @@ def sample_strength(draw, fabric):
 
 
 def sample_plies(draw, count, other, thickness, angled=False):
-    """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees or any angle; some gaps of their own."""
+    """The tables [[panel.ply]]: each of either fabric, at 0 or 90 degrees or any angle; some gaps of their own.
+
+    Of the fabric of the scene is one at the least, and behind the last there is no gap.
+    """
     found = []
     for _ in range(count):
         ply = {
@@ -453,6 +456,9 @@ def sample_plies(draw, count, other, thickness, angled=False):
         if draw.chance(0.3):
             ply["gap"] = _text(thickness * draw.uniform(0, 0.8), "mm")
         found.append(ply)
+    found[-1].pop("gap", None)
+    if all("file" in ply for ply in found):
+        del found[0]["file"]
     return found
 
 

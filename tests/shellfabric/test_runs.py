@@ -37,6 +37,7 @@ PANEL = {
     "elements_per_crossover": 1,
     "table_size": 41,
     "end_time": 30e-6,
+    "length_effect": False,
     "numerics": Numerics(threads=1, block=60),
 }
 PACK = PANEL | {

@@ -1056,7 +1056,11 @@ def _shares(pair):
 
 def _say_shares(shares):
     """What makes the range, the largest first."""
-    parts = [f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.005]
+    parts = [
+        f"{name} {display.number(share, '%', '.0f')} %"
+        for name, share in shares.items()
+        if share >= 0.005
+    ]
     return ", ".join(parts) + " of its variance"
 
 

@@ -110,7 +110,6 @@ OUT_OF_RANGE = {
     "weave_angle": (1.6, -1.6, inf),
     "impact_point": ((nan, 0.0), (inf, 0.0), (0.0,), (0.0, 0.0, 0.0)),
     "packed_area": (0.0, 1.5, -1.0, inf),
-    "yarn_friction": (-0.1, inf),
     "grading": (((9.0, 0.5), (5.0, 1.0)), (), ((9.0, -0.5),)),
     "boundary": ("clamp", ("clamped",) * 3, ("clamped", "held")),
     "plies": (0, -1, 101),

@@ -252,7 +252,7 @@ def test_yarns_that_are_cut_outside_the_zone_alone_are_counted(table):
 
 
 def test_each_yarn_of_the_zone_has_the_strength_of_its_own_line(table):
-    panel = SETUP.panel(table)
+    panel = replace(SETUP, length_effect=False).panel(table)
     factors = tuple(np.linspace(0.8, 1.2, count) for count in panel.yarn_counts)
     drawn = replace(panel, strength_factors=factors)
     zone = drawn.zone()

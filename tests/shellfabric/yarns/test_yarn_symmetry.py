@@ -29,7 +29,13 @@ CHISEL = Projectile(
     friction=0.2,  # without it a share that is missing in its book is not seen
 )
 SETUP = ImpactSetup(
-    FABRIC, 165.0, projectile=CHISEL, opening=0.06, crossovers=YarnZone(seed=3), table_size=51
+    FABRIC,
+    165.0,
+    projectile=CHISEL,
+    opening=0.06,
+    crossovers=YarnZone(seed=3),
+    table_size=51,
+    length_effect=False,
 )
 # symmetry, aim [spacings], roll [deg], sides [m]: on a yarn, on either crossover, between
 PLACES = [

@@ -263,7 +263,7 @@ weft load [N]; test; weft strain [-]; warp load [kN]; warp strain [%]
 
 def test_a_file_in_any_order_and_unit(tmp_path):
     (tmp_path / "t.csv").write_text(CSV)
-    steep, free = read(tmp_path / "t.csv")
+    steep, free = read(tmp_path / "t.csv", (1.1e-3, 1.3e-3))
     assert (steep.name, free.name) == ("k 2", "free")
     assert steep.ratio == "1 : 0.5"
     assert steep.strain[1] == pytest.approx([0.004, 0.002])
