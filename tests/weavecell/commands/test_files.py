@@ -153,8 +153,8 @@ def test_the_record_in_a_file_is_that_of_the_python_interface(results, name):
 
 
 def test_measuring_changes_nothing_else():
-    (one,) = wc.sweep(
-        [set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})]
+    one = wc.impact(
+        set_up({key: table for key, table in SCENES["ply"].items() if key != "history"})
     )
     other = fired("impact")
     assert one.outcome == other.outcome
@@ -172,6 +172,8 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
     summary = json.loads((folder / "summary.json").read_text())
     whole = 2 ** (summary["mirror_x"] + summary["mirror_y"])
     series = vtk.read_series(folder / "panel.pvd")
+    yarns = any(shape.resolved.any() for shape in record.final)
+    assert yarns == (name == "impact")
     assert len(series) >= 3
     for file, time in series:
         grid = pyvista.read(file)
@@ -179,17 +181,24 @@ def test_fields_of_paraview_add_up_to_the_histories(results, name):
         for ply in range(record.count):
             part = grid.extract_cells(grid.cell_data["ply"] == ply + 1)
             push = whole * np.dot(part["projectile_pressure_Pa"], part["area_m2"])
-            assert push == pytest.approx(record.plies["push"][sample, ply], rel=1e-6, abs=1e-3)
+            # on surfaces of resolved yarns there is no pressure
+            wanted = 0.0 if yarns else record.plies["push"][sample, ply]
+            assert push == pytest.approx(wanted, rel=1e-6, abs=1e-3)
             failed = [
                 bool(np.any(part[f"failed_segments_{family}"])) for family in ("warp", "weft")
             ]
             assert failed == [bool(np.any(part[f"failed_{family}"])) for family in ("warp", "weft")]
             assert any(failed) == (record.plies["cut_yarns"][sample, ply] > 0)
     for ply, shape in enumerate(record.final):
-        part = grid.extract_cells(grid.cell_data["ply"] == ply + 1)
-        assert_array_equal(part["tension_warp_N"], shape.tension[:, 0])
-        assert_array_equal(part["tension_weft_N"], shape.tension[:, 1])
-        assert_array_equal(part["failed_yarns"], vtk.count_failed_yarns(shape.failed))
+        of_shell = grid.cell_data["ply"] == ply + 1
+        kept = slice(None)
+        if yarns:
+            of_shell &= grid.cell_data["resolved_yarn"] == 0
+            kept = ~shape.resolved
+        part = grid.extract_cells(of_shell)
+        assert_array_equal(part["tension_warp_N"], shape.tension[kept, 0])
+        assert_array_equal(part["tension_weft_N"], shape.tension[kept, 1])
+        assert_array_equal(part["failed_yarns"], vtk.count_failed_yarns(shape.failed[kept]))
     assert grid.field_data["projectile_z_m"] == [record.final[0].nose_position]
     pressures = vtk.PRESSURES[: 3 if name == "pack" else 1]
     assert tuple(key for key in vtk.PRESSURES if key in grid.point_data) == pressures

@@ -1,5 +1,6 @@
 """Packs: the session's run of three plies at three angles before a block, and the view of its cut."""
 
+import re
 from types import SimpleNamespace
 
 import h5py
@@ -40,7 +41,7 @@ def test_a_block_that_still_moves_has_no_dent_anywhere(pack):
     assert {"back_face_signature_mm", "springback"} <= dents
     assert record.facts()["deepest_dent_mm"] == pytest.approx(1e3 * block.dent.max())
     assert block.time[np.argmax(block.dent)] == record.facts()["deepest_dent_time_s"]
-    page = (pack.folder / "report.html").read_text()
+    page = re.sub("<[^>]*>", "", (pack.folder / "report.html").read_text())
     for places in (pack.told, record.facts(), record.to_xarray().attrs):
         assert {name: places[name] for name in dents} == dict.fromkeys(dents)
     with h5py.File(pack.folder / "histories.h5") as file:
@@ -62,7 +63,7 @@ TITLE = "1 x S-728 + 1 x S-726 at 30 deg + 1 x S-726 at -45 deg"
 
 
 def test_a_pack_says_what_it_is_made_of(pack):
-    assert f"{TITLE}, 200 m/s\nanswer      not decided: " in pack.out
+    assert f"{TITLE}, 200 m/s\nanswer      DOUBTFUL: not decided: " in pack.out
 
 
 @pytest.mark.parametrize(

@@ -141,7 +141,7 @@ def stretched(folder):
 IN_PYTHON = {
     **{name: lambda _, name=name: fired(name).summary() for name in IMPACTS},
     "critical-velocity": limit,
-    "v50": lambda _: wc.v50(set_up(SCENES["small"]), shots=8, batch=4, seed=2).summary(),
+    "v50": lambda _: wc.v50(set_up(SCENES["small"]), shots=12, batch=4, seed=2).summary(),
     "sweep": swept,
     "coupon": frame,
     "pull-out": lambda _: wc.coupon("S-726", "pull_out", **SCENES["pull"]["pull_out"]).summary(),

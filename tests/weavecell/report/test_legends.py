@@ -247,6 +247,28 @@ def fit_beside_biaxial_tests(pyplot):
     return figure, data, {"computed": ""}, ["less"]
 
 
+@case(pictures_biaxial.draw_pulls)
+def solid_beside_biaxial_tests(pyplot):
+    """Measured points and the solid of the file, dotted, have the colour of the named curve."""
+    pulls = [
+        Given(name=name, role=role, fitted=role == "fitted", strain=numbers(6, 2))
+        for name, role in (("one to one", "fitted"), ("one to two", "predicted"))
+    ]
+    for one in pulls:
+        one.load, one.before, one.computed = (numbers(6, 2) for _ in range(3))
+    figure = pictures_biaxial.draw_pulls(pyplot, Given(pulls=pulls))
+    for m, (axes, family) in enumerate(zip(figure.axes, ("warp", "weft"), strict=True)):
+        assert axes.get_xlabel() == f"strain along the {family} [%]"
+        assert axes.get_ylabel() == f"load of a {family} yarn [N]"
+        *lines, _ = axes.lines
+        for k, one in enumerate(pulls):
+            drawn = lines[3 * k : 3 * k + 3]
+            assert drawn[2].get_label() == f"{one.name}, {one.role}"
+            assert len({line.get_color() for line in drawn}) == 1
+            for line, load in zip(drawn, (one.load, one.before, one.computed)):
+                assert_allclose(line.get_xydata(), xy(100 * one.strain[:, m], load[:, m]))
+
+
 @case(pictures_biaxial.draw_residuals)
 def residuals_of_biaxial_tests(pyplot):
     comparisons = biaxial_tests()

@@ -22,8 +22,8 @@ def shot(command, interrupted, tmp_path):
     """The words that resume an interrupted shot in the folder r."""
     (tmp_path / "scene.toml").write_text(impact_scene(opening="20 mm", end_time="10 us", run=RUN))
     with interrupted(0.6):
-        assert command("impact scene.toml --no-assumed-range --out r")[0] == 130
-    return "impact scene.toml --no-assumed-range"
+        assert command("impact scene.toml --out r")[0] == 130
+    return "impact scene.toml"
 
 
 @pytest.fixture

@@ -210,7 +210,8 @@ def test_panels_of_other_masses_are_compared_per_areal_density_first(heavier, mo
     """A pack of two plies has twice the mass of one; what is alike in mass is compared by V50 alone."""
     monkeypatch.setattr(ballistic_limit, "_fire", fire)
     with cases.invented():
-        alike = wc.compare("S-720", "S-720", shots=8, **SMALL)
+        wider = wc.setup("S-720", "100 m/s", **SMALL | {"opening": "60 mm"})
+        alike = wc.compare(wc.setup("S-720", "100 m/s", **SMALL), wider, shots=8)
     assert "per areal density" not in alike.answer.value
     a, b = ("S-720", "S-728") if heavier else ("S-728", "S-720")
     with cases.invented():

@@ -68,7 +68,7 @@ def test_shots_in_one_picture(shots):
 
 
 SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
-OVER = {"panel.opening": ["40 mm", "0.05 m"], "panel.plies": [1, 2]}
+OVER = {"panel.opening": ["40 mm", "0.05 m"], "panel.plies": [2, 3]}
 YARNS = {"opening": "40 mm", "crossovers": "yarns", "zone": "12 mm"}
 # {kind of result: how to make it}; shots of studies are invented
 MADE = {

@@ -27,7 +27,7 @@ PLY = "force [N], displacement [mm]\n" + "".join(
 )
 # commands that compute little, one of each way of writing: with copies of inputs, runs, pictures, folders in folders
 WORDS = {
-    "impact": "impact own.toml --no-assumed-range",
+    "impact": "impact own.toml",
     "sweep": "sweep own.toml --over panel.plies=1 --jobs 1",
     "tests": "reduce tests tests.csv",
     "flight": "reduce shot flight.csv --mass '3 g'",

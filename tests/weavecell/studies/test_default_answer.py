@@ -107,7 +107,7 @@ def test_drawn_shots_answer_alike_wherever_they_are_shown(name, succeed, tmp_pat
 STUDIES = {
     "critical-velocity": ("scene.toml",),
     "v50": ("scene.toml", "--shots", "4"),
-    "difference": ("scene.toml", "scene.toml", "--shots", "4"),
+    "difference": ("scene.toml", "other.toml", "--shots", "4"),
     "sweep": ("scene.toml", "--over", "projectile.strike_velocity=130 m/s,150 m/s"),
 }
 
@@ -115,6 +115,7 @@ STUDIES = {
 @pytest.mark.parametrize("kind", STUDIES)
 def test_a_study_answers_alike_wherever_it_is_shown(kind, succeed, tmp_path, drawn_once):
     write(tmp_path / "scene.toml", "sphere")
+    write(tmp_path / "other.toml", "one ply")
     name = "compare" if kind == "difference" else kind
     printed = succeed(name, *STUDIES[kind], "--jobs", "1", "--out", "r")
     check_alike(wc.load(tmp_path / "r"), printed, tmp_path / "r", f"{kind}.json")
