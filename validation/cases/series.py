@@ -50,7 +50,8 @@ def coverage(
             known, rest = _draw(random, count)
             fired = PROTOCOLS[protocol](known, _limits(known, rest, scatter, slopes), random)
             guess = float(np.median(fired.velocity))
-            found.append([*go_no_go.fit(fired, guess, population).velocities.values()])
+            asked = population if fired.names else None
+            found.append([*go_no_go.fit(fired, guess, asked).velocities.values()])
         low, high = (np.array([[span[end] for span in row] for row in found]) for end in (1, 2))
         held.append(100 * float(np.mean((low <= true) & (true <= high), axis=0).min()))
         middle = np.array([row[1].value for row in found])
