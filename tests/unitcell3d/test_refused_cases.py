@@ -40,7 +40,10 @@ REFUSED = [
     (partial(single_yarn.pull, TINY, S720, family=2), "yarn = 2: must be 0"),
     (partial(single_yarn.pull, TINY, S720, strain=-0.1), "strain = -0.1: must be positive"),
     (partial(stack.stack_compression, TINY, S720, min_plate_gap=2.0), "min_plate_gap = 2.0"),
-    (partial(periodic_cell.shear, TINY, S720, 0.2), "whole crossover or a patch of the weave's repeat"),
+    (
+        partial(periodic_cell.shear, TINY, S720, 0.2),
+        "whole crossover or a patch of the weave's repeat",
+    ),
     (partial(shear_fit.fit, GAMMA, 1e6 * GAMMA), "does not stiffen"),
     (partial(shear_fit.fit, GAMMA[:3], GAMMA[:3]), "shear angles = 3"),
     (partial(pull_out.pull_out, WHOLE, S720), "displacements"),

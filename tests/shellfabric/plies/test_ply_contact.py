@@ -517,7 +517,12 @@ def test_a_pack_that_tears_stays_mirror_symmetric():
         mass=1.1e-3, radius=2.73e-3, shape="chisel", flat_width=2.57e-3, flat_angle=radians(35), edge_radius=0.3e-3
     )  # fmt: skip
     setup = ImpactSetup(
-        catalogue.load("S-728"), 350.0, projectile=chisel, opening=0.08, plies=8, symmetry="half",
+        catalogue.load("S-728"),
+        350.0,
+        projectile=chisel,
+        opening=0.08,
+        plies=8,
+        symmetry="half",
         length_effect=False,
     )
     solver = PackSolver(setup.target(setup.table(kept=True)), 350.0, 19e-6).run()
