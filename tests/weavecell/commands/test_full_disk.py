@@ -28,7 +28,7 @@ WRITERS = {
     ),
     "impact, report": (
         "impact scene.toml --out r",
-        400_000,
+        700_000,
         "r/report.html",
         ["histories.h5", "panel", "panel.pvd", "scene.toml", "summary.json"],
     ),

@@ -93,9 +93,14 @@ def test_the_summary_of_a_pack_lists_its_plies(pack):
 def test_the_record_of_a_pack_has_the_strength_and_place_of_each_ply(pack):
     record = pack.record
     cloths = [catalogue.load(name).with_effective_density() for name in pack.told["ply_fabrics"]]
-    strengths = [[yarn.strength for yarn in cloth.weave.yarns] for cloth in cloths]
     assert record.count == 3
-    assert record.strength == pytest.approx(np.array(strengths), rel=1e-12)
+    for cloth, angle, strengths in zip(cloths, pack.told["ply_angles_deg"], record.strength):
+        # the opening [m] across which a yarn is as strong as its weakest link
+        slope = max(abs(np.cos(np.radians(angle))), abs(np.sin(np.radians(angle))))
+        for yarn, strength in zip(cloth.weave.yarns, strengths):
+            length = cloth.gauge_length * (yarn.strength / strength) ** cloth.weibull_shape
+            side = slope * length / (1 + yarn.crimp)
+            assert side == pytest.approx(45e-3, rel=1e-9)
     assert record.gaps[1] == pytest.approx(0.05e-3)
     middles = record.gaps + 0.5 * (record.thickness[1:] + record.thickness[:-1])
     assert np.diff(record.z_rest) == pytest.approx(middles)

@@ -29,7 +29,7 @@ end_time = "100 us"
 
 def test_a_patch_is_struck_in_three_models(command, tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE)
-    code, out, err = command("patch", "scene.toml", "--duration", "2us", "--out", "r")
+    code, out, err = command("patch", "scene.toml", "--duration", "2us", "--verbose", "--out", "r")
     assert code == 0, err
     lines = out.splitlines()
     assert (
@@ -38,7 +38,7 @@ def test_a_patch_is_struck_in_three_models(command, tmp_path):
     for name in ("pinned crossovers", "resolved yarns", "solid yarns"):
         assert sum(line.startswith(name) for line in lines) == 1
     written = json.loads((tmp_path / "r/patch.json").read_text())
-    assert written["answer"] in lines
+    assert written["answer"]["value"] in lines
     assert written["bricks"] == 8 * 4 * 12**2
     assert written["friction_between_yarns"] == 0.15
     table = np.genfromtxt(tmp_path / "r/patch.csv", delimiter=",", names=True)
