@@ -133,6 +133,16 @@ def test_the_six_shots_of_the_standard():
     assert v10.value < v50.value < v90.value
 
 
+def test_separated_shots_leave_what_a_public_answer_leaves():
+    """R-help, 2003: by the profile likelihood of a logistic curve 9.10 to 10.42 is consistent with the data, of
+    which no stop is faster than a perforation."""
+    stops = [-5.8, -4.8, -2.8667, -1.6667, -0.8667, -0.7333]
+    velocity = 10 + np.array([*stops, -0.1333, 1.2, 1.3333])
+    found = go_no_go.fit(Outcomes.of_tests(velocity, velocity > 9.5), 12.0)
+    v50 = found.velocities["V50"]
+    assert 8.3 < v50.low < 9.10 < v50.value < 10.42 < v50.high < 11.3
+
+
 def test_units_do_not_matter():
     known, limits = draw(5, 12)
     shots = shoot(known, limits, 100.0)
