@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from weavecell.runs import difference, go_no_go, v50
+import weavecell as wc
+from weavecell.runs import difference, go_no_go, table, v50
 from weavecell.runs.go_no_go import LEVELS, Outcomes
 from weavecell.studies.inputs import Scatter
 
@@ -220,3 +221,21 @@ def test_no_difference_without_an_answer():
     found = difference.Difference.missing(8, "all shots at A end alike")
     assert found.verdict == difference.UNDECIDED
     assert found.shots_to_decide() is None
+
+
+@pytest.mark.parametrize("perforated", [False, True])
+def test_a_study_whose_shots_end_alike_has_a_result(perforated, monkeypatch, tmp_path):
+    def run(rows, **_):
+        residual = 20.0 if perforated else 0.0
+        return [table.Shot(row.velocity, residual, perforated, balance=0.0) for row in rows]
+
+    monkeypatch.setattr(table, "run", run)
+    found = wc.v50(
+        "S-728", shots=6, opening="30 mm", projectile="sphere 5.5 mm", out=tmp_path / "r"
+    )
+    assert np.isnan(found.v50)
+    assert found.velocities == {}
+    assert found.summary()["v50_m_s"] is None
+    assert len(found.to_dataframe()) == 6
+    assert "not determined: all outcomes are alike" in str(found)
+    assert (tmp_path / "r" / "report.html").is_file()
