@@ -21,10 +21,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 
-from fabrics.base import run_cache
+from fabrics.base import files, run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
-from fabrics.base.files import parse_toml
 from weavecell.api import entrance, gone
 from weavecell.api.execution import Execution
 from weavecell.api.result import Result
@@ -220,8 +219,8 @@ def _with_other_keys(problem, made, folder):
     """The refusal of a folder to resume from, with the keys in which its input file is another one."""
     text = getattr(getattr(made, "target", None), "text", None)
     try:
-        kept = parse_toml((folder / "scene.toml").read_text("utf-8"))
-        given = parse_toml(text) if isinstance(text, str) else kept
+        kept = files.parse_toml(files.read_text(folder / "scene.toml"))
+        given = files.parse_toml(text) if isinstance(text, str) else kept
     except (OSError, ValueError):
         return problem
     before, now = dict(_values(kept)), dict(_values(given))

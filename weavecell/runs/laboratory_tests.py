@@ -141,15 +141,17 @@ class ReducedTests:
     Parameters
     ----------
     table : DataFrame, a row a test: velocity, outcome and residual velocity
-    posterior : LimitPosterior of the tests; None where outcomes are all alike
+    posterior : LimitPosterior of the tests; None where they determine no V50
     six_shots : V50 of six of the tests
     lambert_jonas : fit to the residual velocities
+    reason : why there is no V50; "" where there is one
     """
 
     table: DataFrame
     posterior: LimitPosterior | None
     six_shots: SixShots
     lambert_jonas: LambertJonas
+    reason: str = ""
 
     def summary(self) -> dict[str, Any]:
         """Return all of it as plain numbers, keys with their units."""
@@ -163,7 +165,7 @@ class ReducedTests:
 
     @property
     def v50(self) -> float:
-        """[m/s] that half of the shots pass; NaN where outcomes are all alike."""
+        """[m/s] that half of the shots pass; NaN where the tests do not determine it."""
         if self.posterior is None:
             return nan
         return self.posterior.velocities["V50"].value
@@ -188,7 +190,7 @@ class ReducedTests:
     def words(self) -> str:
         """Write V50, V10 and V90 with their intervals, or why there are none."""
         if self.posterior is None:
-            return f"V50 not determined: all {counted(len(self.table), 'shot')} end alike"
+            return f"V50 not determined: {self.reason}"
         return self.posterior.words()
 
     def lines(self, file: str) -> list[str]:
@@ -221,11 +223,16 @@ def reduce(tests: DataFrame) -> ReducedTests:
     velocities = table["strike_velocity_m_s"]
     perforated = table["tested"] == "perforated"
     outcomes = Outcomes.of_tests(velocities, perforated)
-    posterior = None
+    posterior, reason = None, f"all {counted(len(table), 'shot')} end alike"
     if outcomes.mixed:
         posterior = go_no_go.fit(outcomes, float(velocities.median()))
+        v50, reason = posterior.velocities["V50"].value, ""
+        if v50 > FASTEST:
+            # of tests whose share of perforations hardly grows: no shot can have it
+            allowed = f"{FASTEST:g} m/s at most, as projectile.strike_velocity"
+            posterior, reason = None, f"these tests put it at {v50:.0f} m/s; must be {allowed}"
     six_shots = protocol.six_shots(velocities, perforated)
-    return ReducedTests(table, posterior, six_shots, _fit(table, "tested", None))
+    return ReducedTests(table, posterior, six_shots, _fit(table, "tested", None), reason)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
-from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, PEAKS, SHOTS, call
+from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, PEAKS, SHOTS, SMALL, call
 from weavecell.api.crossover import CaseKeywords
 from weavecell.api.meshes import Geometry
 
@@ -67,6 +67,7 @@ OTHER = {
     "section": "ellipse",
     "shear_angle": "0.3 rad",
     "struck": "crossover",
+    "table": wc.draw("S-720", 1, velocity="130 m/s", **SMALL),
     "tension": "3 N",
     "test": "uniaxial",
     "tip_thickness_ratio": 0.3,

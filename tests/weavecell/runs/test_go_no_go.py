@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from weavecell.runs import difference, go_no_go, v50
+import weavecell as wc
+from weavecell.runs import difference, go_no_go, table, v50
 from weavecell.runs.go_no_go import LEVELS, Outcomes
 from weavecell.studies.inputs import Scatter
 
@@ -133,6 +134,16 @@ def test_the_six_shots_of_the_standard():
     assert v10.value < v50.value < v90.value
 
 
+def test_separated_shots_leave_what_a_public_answer_leaves():
+    """R-help, 2003: by the profile likelihood of a logistic curve 9.10 to 10.42 is consistent with the data, of
+    which no stop is faster than a perforation."""
+    stops = [-5.8, -4.8, -2.8667, -1.6667, -0.8667, -0.7333]
+    velocity = 10 + np.array([*stops, -0.1333, 1.2, 1.3333])
+    found = go_no_go.fit(Outcomes.of_tests(velocity, velocity > 9.5), 12.0)
+    v50 = found.velocities["V50"]
+    assert 8.3 < v50.low < 9.10 < v50.value < 10.42 < v50.high < 11.3
+
+
 def test_units_do_not_matter():
     known, limits = draw(5, 12)
     shots = shoot(known, limits, 100.0)
@@ -210,3 +221,21 @@ def test_no_difference_without_an_answer():
     found = difference.Difference.missing(8, "all shots at A end alike")
     assert found.verdict == difference.UNDECIDED
     assert found.shots_to_decide() is None
+
+
+@pytest.mark.parametrize("perforated", [False, True])
+def test_a_study_whose_shots_end_alike_has_a_result(perforated, monkeypatch, tmp_path):
+    def run(rows, **_):
+        residual = 20.0 if perforated else 0.0
+        return [table.Shot(row.velocity, residual, perforated, balance=0.0) for row in rows]
+
+    monkeypatch.setattr(table, "run", run)
+    found = wc.v50(
+        "S-728", shots=6, opening="30 mm", projectile="sphere 5.5 mm", out=tmp_path / "r"
+    )
+    assert np.isnan(found.v50)
+    assert found.velocities == {}
+    assert found.summary()["v50_m_s"] is None
+    assert len(found.to_dataframe()) == 6
+    assert "not determined: all outcomes are alike" in str(found)
+    assert (tmp_path / "r" / "report.html").is_file()

@@ -5,6 +5,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fabrics import catalogue
+from fabrics.base import door
 from fabrics.data_sheet import OF_SHOTS
 from fabrics.trellis import TrellisShear
 from weavecell.cli import app
@@ -67,7 +68,8 @@ def test_the_last_lines_say_what_is_missing_of_a_yarn_of_no_family(succeed, valu
 def prompted(tmp_path, typed):
     """The fabric of the lines that are typed at the prompts."""
     words = ["fabrics", "new", str(tmp_path / "own.toml")]
-    done = CliRunner().invoke(app.program(), words, input=typed)
+    with door.open_terminal():
+        done = CliRunner().invoke(app.program(), words, input=typed)
     assert done.exit_code == 0, done.output
     return catalogue.load(tmp_path / "own.toml")
 

@@ -3,7 +3,7 @@
 import pytest
 
 from fabrics.base.errors import InputError
-from weavecell.studies import laboratory_tests
+from weavecell.runs import laboratory_tests
 
 READ = ["stopped", "perforated", "perforated"]
 # heading of the outcome: cells of a stop and two perforations
