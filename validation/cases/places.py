@@ -10,7 +10,6 @@ from statistics import fmean, stdev
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
 from scipy.stats import qmc
 
 from validation.cases import impact, noses
@@ -111,37 +110,6 @@ def spread(
         "doubtful": found.doubtful,
         "cpu_s": time.process_time() - began,
     }
-
-
-def drawn_limits(
-    *, draws: int, share: float, guess: float, seed: int = 1, **keywords: Any
-) -> Values:
-    """Bisect the limits of drawn panels: the same draws in every model, that differ in what it leaves out alone.
-
-    Parameters
-    ----------
-    draws : panels, of places, frictions and strengths of their own
-    share : [-] width of the brackets over the guess
-    guess : [m/s] of the limits
-    seed : of the draws
-    keywords : of `impact.setup`; the friction on the nose is the assumed one
-
-    Returns
-    -------
-    dict with limits (draws,) [m/s]; cpu_s, of a shot; doubtful, limits on a doubtful shot
-    """
-    this = impact.setup(nose_friction=noses.ASSUMED, **keywords)
-    scatter = inputs.read_scatter()
-    limits, doubtful, shots = [], 0, 0
-    began = time.process_time()
-    for number in range(draws):
-        pack = strengths.draw_panel(table.as_fired(this), scatter, seed, number).pack
-        one = ballistic_limit.critical_velocity(pack, tolerance=share * guess, guess=guess)
-        limits.append(one.velocity)
-        shots += len(one.shots)
-        doubtful += any(check.doubtful for shot in one.ends for check in shot.checks)
-    seconds = (time.process_time() - began) / shots
-    return {"limits": np.array(limits), "cpu_s": seconds, "doubtful": doubtful}
 
 
 def find_doubts(row: Mapping[str, object]) -> list[str]:
