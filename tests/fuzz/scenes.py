@@ -126,6 +126,8 @@ def sample(generator, name="fuzz", plies=PLIES, angled=False, backed=False):
             draw, panel.pop("plies"), f"{name}-other.toml", thickness, angled
         )
         panel.pop("stacking", None)
+        if all("gap" in ply for ply in panel["ply"][:-1]):
+            del panel["ply_gap"]
     if panel["boundary"] == "clamped" and draw.chance(0.15):
         panel["opening_shape"] = "round"
     alone = not {"plies", "ply"} & panel.keys()  # a point off the middle needs the whole panel

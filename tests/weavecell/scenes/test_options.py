@@ -135,6 +135,9 @@ def record(together):
     table = SHOT
     for name in together.split(", ") if together else ():
         table = merged(table, OPTIONS[name])
+        # a grading says how large the elements are
+        if name == "graded":
+            table = merged(table, {"run": {"elements_per_crossover": None}})
     return wc.sweep([set_up(table)])[0]
 
 
