@@ -66,6 +66,16 @@ def noting_reads() -> Iterator[set[Path]]:
         _read.reset(token)
 
 
+@contextmanager
+def looking() -> Iterator[None]:
+    """Note no file that is read in this block: it is looked at, and no input."""
+    token = _read.set(None)
+    try:
+        yield
+    finally:
+        _read.reset(token)
+
+
 def note_read(path: FilePath) -> None:
     """Add a file that another library is about to read to the set of `noting_reads`."""
     noted = _read.get()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, WeavecellError
-from fabrics.base.files import write_hdf5
+from fabrics.base.files import looking, write_hdf5
 from fabrics.base.read_formats import read_hdf5
 from weavecell.results import file_list
 from weavecell.results.hdf5_file import put
@@ -41,7 +41,8 @@ def is_checkpoint(name: str, path: Path) -> bool:
         return False
     from shellfabric.loop import checkpoint
 
-    with suppress(InputError), read_hdf5(path, checkpoint.FORMAT, OF_COUPON, sealed=True):
+    formats = (checkpoint.FORMAT, OF_COUPON)
+    with looking(), suppress(InputError), read_hdf5(path, *formats, sealed=True):
         return True
     return False
 

@@ -46,6 +46,7 @@ thickness, 0.30 mm, , data sheet of the fabric, measured
 CHANGING = re.compile(
     r"step_time|wall|cpu|second|date|commit|version|python|platform|provenance|seconds_of|sha|\bsystem\b"
 )
+TIMED = re.compile("cpu|wall")  # columns of tables
 MASKED = [
     (re.compile(r"\d[\d.]*(e-?\d+)? s(econds)?(?= |$|,|;|\))(?! of CPU)"), "? s"),
     (re.compile(r"\b20\d\d-\d\d-\d\d([T ]\d\d:\d\d(:\d\d)?)?\S*"), "DATE"),
@@ -197,7 +198,12 @@ def _folder(folder, rows):
             yield f"== {path}\n{content}"
         elif path.suffix == ".csv":
             yield f"== {path}"
-            for row in csv.reader(text.splitlines()[:rows]):
+            lines = list(csv.reader(text.splitlines()[:rows]))
+            timed = [number for number, key in enumerate(lines[0]) if TIMED.search(key)]
+            for row in lines[1:]:
+                for number in timed:
+                    row[number] = "?"
+            for row in lines:
                 yield ", ".join(FLOAT.sub(_three_digits, value) for value in row)
             yield f"{len(text.splitlines())} lines"
         elif path.suffix == ".toml" and path.name != "scene.toml" and path.parts[0] != "inputs":
