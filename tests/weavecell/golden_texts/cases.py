@@ -44,7 +44,7 @@ thickness, 0.30 mm, , data sheet of the fabric, measured
 """
 # values that differ from run to run, by the names of their keys
 CHANGING = re.compile(
-    r"step_time|wall|cpu|second|date|commit|version|python|platform|provenance|seconds_of|sha|\bsystem\b"
+    r"processor|step_time|wall|cpu|second|date|commit|version|python|platform|provenance|seconds_of|sha|\bsystem\b"
 )
 TIMED = re.compile("cpu|wall")  # columns of tables
 MASKED = [
