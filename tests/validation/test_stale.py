@@ -15,7 +15,7 @@ from validation.study import Study
 # studies of validation/moved.csv: 24 on 28 November 2026, 30 with limited shares of the contact of plies, 32 with
 # friction on the nose, 22 with ten computed again on 29 November, 2 on the 30th, 6 with drawn answers; fewer
 # with each that is
-MOST_MOVED = 14  # of 30 November: strength at the length of yarns, ends of shots, straight floats; all are computed again at once
+MOST_MOVED = 14
 # in the reason of studies beside these: strength at the length of the yarn, resolved yarns by default, ends by an own
 # clock, straight floats and solids by family moved many on 30 November, and the issue of this name computes all again
 COMPUTED_AGAIN_BY = "predictions scored"
