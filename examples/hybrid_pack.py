@@ -18,7 +18,7 @@ orders = {"S-728 in front": [first, second], "S-720 in front": [second, first]}
 figure, axes = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
 for name, plies in orders.items():
     shot = wc.impact(
-        "S-728", "300 m/s", ply=plies, opening="60 mm", projectile="FSP 1.10 g", end_time="200 us"
+        None, "300 m/s", ply=plies, opening="60 mm", projectile="FSP 1.10 g", end_time="200 us"
     )
     print(
         f"{name}: {shot.outcome}, residual velocity {shot.residual_velocity:.0f} m/s, checks {shot.checks_text}"
