@@ -85,6 +85,11 @@ SHOTS: dict[str, dict[str, Any]] = {
         "boundary": {"warp": "clamped", "weft": {"clamp_force": "60 N"}},
     },
     "resolved yarns": {"velocity": "200 m/s", "end_time": "20 us", "crossovers": "yarns"},
+    "plies that are turned": {
+        "velocity": "300 m/s",
+        "end_time": "4 us",
+        "ply": [{}, {"name": "S-726", "angle": "30 deg"}],
+    },
     "a block behind a ply": {"velocity": "100 m/s", "end_time": "4 us", "backing": BLOCK},
     "a block behind a ply on a uniform mesh": {
         "velocity": "100 m/s",
