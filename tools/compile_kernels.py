@@ -61,6 +61,14 @@ SHOTS: dict[str, dict[str, Any]] = {
         "projectile": "9 mm FMJ 8.0 g",
         "elements_per_crossover": 1,
     },
+    "a bullet of metal on a uniform pack": {
+        "velocity": "300 m/s",
+        "end_time": "4 us",
+        "opening": "30 mm",
+        "plies": 2,
+        "projectile": "9 mm FMJ 8.0 g",
+        "elements_per_crossover": 1,
+    },
     "an elastic bar": {
         "velocity": "155 m/s",
         "end_time": "4 us",
@@ -88,6 +96,7 @@ SHOTS: dict[str, dict[str, Any]] = {
     "plies that are turned": {
         "velocity": "300 m/s",
         "end_time": "4 us",
+        "opening": "30 mm",
         "ply": [{}, {"name": "S-726", "angle": "30 deg"}],
     },
     "a block behind a ply": {"velocity": "100 m/s", "end_time": "4 us", "backing": BLOCK},
@@ -106,7 +115,8 @@ def list_runs() -> Iterator[tuple[str, Callable[[], object]]]:
 
     for name, shot in SHOTS.items():
         options = dict(shot)
-        yield name, partial(wc.impact, "S-720", options.pop("velocity"), opening="60 mm", **options)
+        velocity, opening = options.pop("velocity"), options.pop("opening", "60 mm")
+        yield name, partial(wc.impact, "S-720", velocity, opening=opening, **options)
     frame = partial(wc.coupon, "S-720", "picture_frame")
     yield "coupons", partial(frame, shear_angle="4 deg", crossovers=2, steps=1)
     if find_spec("gmsh"):
