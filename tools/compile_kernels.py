@@ -69,6 +69,13 @@ SHOTS: dict[str, dict[str, Any]] = {
         "projectile": "9 mm FMJ 8.0 g",
         "elements_per_crossover": 1,
     },
+    "an oblique shot at pinned crossovers": {
+        "velocity": "90 m/s",
+        "end_time": "4 us",
+        "crossovers": "pinned",
+        "projectile": CYLINDER | {"obliquity": "30 deg"},
+        "symmetry": "whole",
+    },
     "an elastic bar": {
         "velocity": "155 m/s",
         "end_time": "4 us",
