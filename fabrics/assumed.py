@@ -120,7 +120,8 @@ def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
 
 
 def _law_at(fabric, table, family, law, share):
-    """The law of a family with each number at a share of its range, from its soft to its stiff end."""
+    """Return the law of a family with each number at a share of its range, from its soft to its
+    stiff end."""
     numbers = {}
     for name, value in vars(law).items():
         # a range may be given for both families, or for one

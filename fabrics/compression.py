@@ -171,7 +171,8 @@ class CompressionLaw:
         return replace(self, a=float(a), b=float(b), assumed_range=None, spread=None)
 
     def holds(self, a: float, b: float) -> bool:
-        """Whether constants lie within the joint range of 95 %; none does of a law without one."""
+        """Tell whether constants lie within the joint range of 95 %; none does of a law without
+        one."""
         if self.spread is None:
             return False
         aa, ab, bb = self.spread

@@ -181,7 +181,7 @@ def _number(meaning, unit):
 
 
 def _angle(meaning):
-    """The type of an angle, a number alone in radians, that the law made from it checks."""
+    """Return the type of an angle, a number alone in radians, that the law made from it checks."""
     of = Quantity({"rad": "", "1": ""}, "0.2", meaning)
     allowed = 'a number in radians, or such as "12 deg"'
     return Annotated[Any, of, BeforeValidator(of.datum), described(meaning, allowed)]

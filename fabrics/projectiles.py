@@ -84,7 +84,7 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
 
 
 def _sphere(diameter):
-    """The data of a sphere of steel of a diameter, a text with its unit.
+    """Return the data of a sphere of steel of a diameter, a text with its unit.
 
     Raises
     ------
@@ -124,14 +124,14 @@ def known_name(name: str) -> str:
 
 
 def _parts(name):
-    """The words of a name, and its numbers with their units, in small letters."""
+    """Return the words of a name, and its numbers with their units, in small letters."""
     numbers = re.findall(r"([0-9]*\.?[0-9]+) *([a-z]*)", name.lower())
     words = set(re.findall(r"[a-z]+", name.lower())) - _UNITS
     return words, [(float(number), unit if unit in _UNITS else "") for number, unit in numbers]
 
 
 def _has(name, words, numbers):
-    """Whether a name has all of some words and numbers, of which a unit may be left out."""
+    """Tell whether a name has all of some words and numbers, of which a unit may be left out."""
     there, amounts = _parts(name)
     known = {*amounts, *((number, "") for number, _ in amounts)}
     return words <= there and known.issuperset(numbers)

@@ -218,12 +218,13 @@ def share_word(name: str, known: Iterable[str]) -> list[str]:
 
 
 def _words_of(name):
-    """Words of at least four letters, one and several alike."""
+    """Return the words of at least four letters, one and several alike."""
     return [word.removesuffix("s") for word in re.findall(r"[a-z]{4,}", name.lower())]
 
 
 def _likeness(name, other):
-    """Share of the letters that need no change, exchanges of neighbours counting as one change [-]."""
+    """Return the share of the letters that need no change, exchanges of neighbours counting as one
+    change [-]."""
     # rows of the table of distances of all beginnings
     before: list[int] = []
     row = list(range(len(other) + 1))

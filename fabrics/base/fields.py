@@ -65,7 +65,7 @@ def check_fields(owner: Any) -> None:
 
 
 def _reads(reader, value):
-    """Whether the reader of a key takes a value as Python gives it."""
+    """Tell whether the reader of a key takes a value as Python gives it."""
     try:
         reader.validate_python(value, context=PYTHON)
     except ValidationError:
@@ -74,13 +74,14 @@ def _reads(reader, value):
 
 
 def _each_reads(reader, values):
-    """Whether it takes each of several, of a field that may hold a pair of what its key is one of."""
+    """Tell whether it takes each of several, of a field that may hold a pair of what its key is one
+    of."""
     return isinstance(values, (tuple, list)) and all(_reads(reader, each) for each in values)
 
 
 @cache
 def _fields(kind):
-    """(name, annotation, reader of the key or None, what is allowed) of each field."""
+    """Return (name, annotation, reader of the key or None, what is allowed) of each field."""
     hints = get_type_hints(kind, include_extras=True)
     found = []
     for entry in dataclasses.fields(kind):
@@ -102,7 +103,7 @@ def _plain(hint):
 
 
 def _fits(value, hint):
-    """Whether a value is of the type that an annotation says; nan is no number."""
+    """Tell whether a value is of the type that an annotation says; nan is no number."""
     hint = _plain(hint)
     parts = get_args(hint)
     origin = get_origin(hint)
@@ -135,7 +136,7 @@ def _parts_fit(values, parts):
 
 
 def _in_words(hint):
-    """What an annotation allows."""
+    """Say what an annotation allows."""
     hint = _plain(hint)
     parts = get_args(hint)
     origin = get_origin(hint)

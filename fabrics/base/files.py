@@ -237,7 +237,7 @@ def is_sealed(content: bytes) -> bool | None:
 
 
 def _seal(content):
-    """The beginning of a sealed file, from the bytes behind it."""
+    """Return the beginning of a sealed file, from the bytes behind it."""
     length = len(_SEALED) + 2 * hashlib.sha256().digest_size
     return _SEALED + hashlib.sha256(memoryview(content)[length:]).hexdigest().encode()
 

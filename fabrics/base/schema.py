@@ -459,14 +459,14 @@ def number(meaning: str, example: float, *, ranged: bool = False, **limits: Any)
 
 
 def _json_limits(limits):
-    """Limits of pydantic by their names in a JSON Schema."""
+    """Return the limits of pydantic by their names in a JSON Schema."""
     names = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
     return {names[name]: value for name, value in limits.items() if name in names}
 
 
 def _with_range(kind, part, written):
-    """The kind of a number that may be given with a range, whose value and ends its own validator takes as
-    part(text)."""
+    """Return the kind of a number that may be given with a range, whose value and ends its own
+    validator takes as part(text)."""
 
     def validate(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         if isinstance(value, Assumed):
@@ -693,7 +693,7 @@ def _problems(problem, model, given, file, in_python):
 
 
 def _drawn_keys(model):
-    """The keys that may be given with a range, in words."""
+    """Return the keys that may be given with a range, in words."""
     keys = [key for key, field in entries(model).items() if mark(field, MayHaveRange)]
     return ", ".join(keys) or "none of its numbers"
 

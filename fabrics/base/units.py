@@ -218,7 +218,7 @@ def unknown_unit(value: Any, units: tuple[str, ...]) -> str | None:
 
 @cache
 def _parses(written):
-    """Whether a text is a unit of some quantity."""
+    """Tell whether a text is a unit of some quantity."""
     try:
         _parsed(_ALIASES.get(written.lower(), written))
     # pint raises many types
@@ -228,7 +228,7 @@ def _parses(written):
 
 
 def _is_unit(written, usual):
-    """Whether a text is a unit, and not one of the `usual` ones but for its capitals."""
+    """Tell whether a text is a unit, and not one of the `usual` ones but for its capitals."""
     if written in usual:
         return True
     return written.lower() not in map(str.lower, usual) and _parses(written)
@@ -302,7 +302,7 @@ def _force_over_width(written):
 
 
 def _parsed(written):
-    """(registry of pint, unit that is written); an error of many types if it is none."""
+    """Return (registry of pint, unit that is written); an error of many types if it is none."""
     text = _PLAIN_EXPONENT.sub(r"^\1", written)
     per = _PER.match(text)
     if per:
@@ -314,7 +314,8 @@ def _parsed(written):
 
 
 def _factor_by_pint(written, unit):
-    """The same by pint, to which nothing but the unit goes: digits stand in exponents alone."""
+    """Return the same by pint, to which nothing but the unit goes: digits stand in exponents
+    alone."""
     registry, parsed = _parsed(written)
     none, one = (
         float(registry.Quantity(number, parsed).to(unit or "dimensionless").magnitude)

@@ -613,14 +613,14 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
         return self._pack(self.plain_panels())
 
     def _pack(self, panels):
-        """The plies, of `panels` of each of `materials`, with yarns that are all alike."""
+        """Return the plies, of `panels` of each of `materials`, with yarns that are all alike."""
         pack = self._stack(panels)
         if self.crossovers is not None and self.plies > 1:
             pack = replace(pack, plies=lie_anywhere(pack.plies, self.crossovers.seed))
         return pack
 
     def _stack(self, panels):
-        """The plies, each behind the other."""
+        """Return the plies, each behind the other."""
         if self.lay_up:
             numbers = [self.materials.index((ply.fabric, ply.laws)) for ply in self.lay_up]
             return Pack.laid_up(

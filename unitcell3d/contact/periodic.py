@@ -203,7 +203,7 @@ class Sides:
         """Keep nothing: sides slide without friction."""
 
     def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
-        """Nothing: sides slide without friction."""
+        """Return 0 and 0: sides slide without friction."""
         return 0.0, 0.0
 
     def assemble(
@@ -263,14 +263,14 @@ class Stick:
         self._places = pattern.places(self._nodes)
 
     def pattern_outdated(self) -> bool:
-        """Never."""
+        """Return False: the springs stay where they are."""
         return False
 
     def commit(self, x: FloatArray, numerics: Numerics) -> None:
         """Keep nothing."""
 
     def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
-        """Nothing."""
+        """Return 0 and 0: the springs are no friction."""
         return 0.0, 0.0
 
     def assemble(

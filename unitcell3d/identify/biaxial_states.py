@@ -189,7 +189,7 @@ class BiaxialSolver:
         return found
 
     def _follow(self, test, before):
-        """The states of a test; `before` : (k, size) are guesses."""
+        """Return the states of a test; `before` : (k, size) are guesses."""
         rest = Load()
         end = Load(tuple(map(float, test.end * self.model.fabric.weave.w)))
         state = rest_state(self.model, self._solver, rest)
@@ -217,7 +217,7 @@ class BiaxialSolver:
         return PulledStates(**{key: np.array([row[key] for row in rows]) for key in rows[0]})
 
     def _row(self, found, load):
-        """The equilibrium with its derivatives."""
+        """Return the equilibrium with its derivatives."""
         self.equilibria += 1
         self.tangents += found.iterations + 1
         model = self.model
@@ -249,7 +249,7 @@ class BiaxialSolver:
         }
 
     def _along(self, q, dq, load, dd):
-        """Derivative (2,) of the loads along (dq, dd), a central difference short beside the
+        """Return the derivative (2,) of the loads along (dq, dd), a central difference short beside the
         contact's toe."""
         part = STEP / max(abs(dq).max(), abs(dd).max(), 1e-30)
         ends = [
@@ -262,5 +262,5 @@ class BiaxialSolver:
 
 
 def _moved(load, by):
-    """The load with end displacements further by (2,) [m]."""
+    """Return the load with end displacements further by (2,) [m]."""
     return Load((load.d[0] + float(by[0]), load.d[1] + float(by[1])), load.plates)

@@ -65,7 +65,7 @@ class LawRange:
     failed: dict[str, str]
 
     def parts(self) -> dict[str, FloatArray]:
-        """{unknown: (2, 2) covariance of ln a and ln b that it makes}"""
+        """Return {unknown: (2, 2) covariance of ln a and ln b that it makes}"""
         return {name: _covariance(self._ratios(laws)) for name, laws in self.ends.items()}
 
     def _ratios(self, laws):
@@ -92,7 +92,10 @@ class LawRange:
 
 
 def _covariance(ratios):
-    """That of the farther end; of the other what goes another way."""
+    """Return the covariance of the farther end, plus what the other adds across it.
+
+    ratios : [(2,) ln of a and of b at an end over those of the law]
+    """
     far, *others = sorted(ratios, key=lambda e: -float(e @ e)) or [np.zeros(2)]
     total = np.outer(far, far)
     for e in others:
@@ -135,7 +138,7 @@ def list_unknowns(
 
 
 def _ends_of_solid(fabric):
-    """{constant of an assumed solid: (the fabric with its low end, with its high end)}"""
+    """Return {constant of an assumed solid: (the fabric with its low end, with its high end)}"""
     ends = {}
     laws = fabric.solid_laws
     for name in NAMES:
@@ -239,7 +242,7 @@ def solve_samples(
 
 
 def _packed_later(fabric, size):
-    """The fabric with V_c above the density that the mesh gives its yarns."""
+    """Return the fabric with V_c above the density that the mesh gives its yarns."""
     dense = crossover.build(fabric, size=size).Vf0
     laws = [
         replace(law, V_c=max(law.V_c, Vf0 + _LEAST_ROOM))

@@ -148,7 +148,7 @@ class _Platens:
         self.floors = [RESOLUTION * float(np.sqrt(np.mean(self.weight**2)))]
 
     def compute(self, x, before=None):
-        """PlatenClosures at x."""
+        """Return PlatenClosures at x."""
         states = self.solver.at(x)
         if before is None and states.failed and states.pressure[-1] < 0.5 * self.pressure[-1]:
             raise UnstableError(f"no plate curve to fit: {states.failed}")
@@ -159,12 +159,12 @@ class _Platens:
         return replace(found, before=before.computed, failed=states.failed)
 
     def check(self, x, shown):
-        """`shown` with the closures at x, at the pressures that are reached."""
+        """Return `shown` with the closures at x, at the pressures that are reached."""
         states = self.solver.at(x)
         return replace(shown, checked=self._closures(states)[: len(states.pressure)])
 
     def _closures(self, states):
-        """(n,) [m] moved to the weighted mean of the measured ones."""
+        """Return (n,) [m] moved to the weighted mean of the measured ones."""
         at = states.closures(self.pressure)
         return at - self._mean(at - self.measured)
 
@@ -172,7 +172,7 @@ class _Platens:
         return np.average(values, axis=0, weights=self.weight**2)
 
     def evaluate(self, x):
-        """Weighted misfit (n,), and its Jacobian (n, 3)."""
+        """Return the weighted misfit (n,), and its Jacobian (n, 3)."""
         states = self.solver.at(x)
         jacobian = states.jacobian(self.pressure)
         misfit = (self._closures(states) - self.measured) * self.weight
@@ -199,7 +199,7 @@ class _Pulls:
         ]
 
     def _computed(self, x):
-        """{name of a test: loads (n, 2) [N] at x}; nan of a prediction that finds no
+        """Return {name of a test: loads (n, 2) [N] at x}; nan of a prediction that finds no
         equilibrium."""
         found = {}
         for test, solver in zip((*self._fitted, *self._others), self.solvers):
@@ -212,7 +212,7 @@ class _Pulls:
         return found
 
     def compute(self, x, before=None):
-        """PulledLoads of all tests at x."""
+        """Return PulledLoads of all tests at x."""
         found = self._computed(x)
         names = [test.name for test in self._fitted]
         first = found if before is None else {one.name: one.computed for one in before}
@@ -229,13 +229,13 @@ class _Pulls:
         )
 
     def check(self, x, shown):
-        """`shown` with the loads at x."""
+        """Return `shown` with the loads at x."""
         found = self._computed(x)
         return tuple(replace(one, checked=found[one.name]) for one in shown)
 
     def evaluate(self, x):
-        """Misfit (n,) of the measured loads over the greatest of their family, and its Jacobian
-        (n, 3)."""
+        """Return the misfit (n,) of the measured loads over the greatest of their family, and its
+        Jacobian (n, 3)."""
         solved = [solver.loads(x)[0] for solver in self.solvers[: len(self._fitted)]]
         loads, slopes = (np.concatenate(parts) for parts in zip(*solved))
         misfit = (loads - self._loads) / self._greatest
@@ -289,16 +289,16 @@ class _Fit:
         return with_solid_laws(self.fabric, x, self.densest)
 
     def compute(self, x, before=None):
-        """{"platens": PlatenClosures or None, "pulls": PulledLoads of each test} at x, `before`
-        those of the file."""
+        """Return {"platens": PlatenClosures or None, "pulls": PulledLoads of each test} at x,
+        `before` those of the file."""
         found = {"platens": None, "pulls": ()}
         for name, each in self.evidence.items():
             found[name] = each.compute(x, before and before[name])
         return found
 
     def evaluate(self, x):
-        """Misfit over its errors, and its Jacobian by all three constants; a trial without equilibria
-        has a misfit that is not finite."""
+        """Return the misfit over its errors, and its Jacobian by all three constants; a trial without
+        equilibria has a misfit that is not finite."""
         self.trials += 1
         count = len(self._groups)
         try:
@@ -312,7 +312,8 @@ class _Fit:
         return misfit / errors, jacobian / errors[:, None]
 
     def solve(self):
-        """The least_squares.Found of all three constants, those that are not free as they were."""
+        """Return the least_squares.Found of all three constants, those that are not free as they
+        were."""
         x = self.start()
         free = self.free
         bounds = tuple(bound[free] for bound in BOUNDS)
@@ -335,7 +336,8 @@ class _Fit:
         return x
 
     def _estimate_errors(self, x):
-        """(g,) rms misfit of each kind of evidence over its share of the degrees of freedom."""
+        """Return (g,) rms misfit of each kind of evidence over its share of the degrees of
+        freedom."""
         misfit = self.evaluate(x)[0] * self.errors[self._groups]
         left = self.freedom / len(self._groups)
         found = np.array(self._floors)
@@ -346,8 +348,8 @@ class _Fit:
         return found
 
     def limits(self, found):
-        """((x low, whether it is open), (x high, ...)) on each principal direction of the covariance of the
-        free constants."""
+        """Return ((x low, whether it is open), (x high, ...)) on each principal direction of the
+        covariance of the free constants."""
         jacobian = found.jacobian[:, self.free]
         _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
         least = np.sum(found.residual**2)
@@ -366,8 +368,8 @@ class _Fit:
         return found_limits
 
     def _limit(self, x, direction, wanted, length):
-        """Where the sum of squares along a direction from x is as `wanted`, or as far as is sought, where
-        the direction is open."""
+        """Say where the sum of squares along a direction from x is as `wanted`, or as far as is
+        sought, where the direction is open."""
         rooms = np.where(direction > 0, BOUNDS[1] - x, x - BOUNDS[0]) / np.maximum(
             np.abs(direction), 1e-12
         )
@@ -393,8 +395,9 @@ class _Fit:
         return x + length * direction, is_open
 
     def profiles(self, found):
-        """{name: (low, high) of its logarithm, 95 %} of constants, and of K_r E_c, that are not told well
-        enough for the covariance: where the least sum of squares over the others has risen by t^2."""
+        """Return {name: (low, high) of its logarithm, 95 %} of constants, and of K_r E_c, that are
+        not told well enough for the covariance: where the least sum of squares over the others has
+        risen by t^2."""
         unit = np.eye(len(NAMES))
         wanted = {name: unit[k] for k, name in enumerate(NAMES) if k in self.free}
         if {0, 2} <= set(self.free):
@@ -417,9 +420,9 @@ class _Fit:
         return ends
 
     def _profile_end(self, found, toward, along, side, wanted, deviation):
-        """ln of the constant, toward . x, at an end of its profile; infinite if there is none as far as is
-        sought, that of the covariance if equilibria end before. `along` is how x moves with it by the
-        covariance."""
+        """Return ln of the constant, toward . x, at an end of its profile; infinite if there is
+        none as far as is sought, that of the covariance if equilibria end before. `along` is how x
+        moves with it by the covariance."""
         middle = float(toward @ found.x)
         least = float(np.sum(found.residual**2))
         # directions that leave the constant as it is
@@ -472,7 +475,7 @@ class _Fit:
 
 
 def _on_mesh(fit, size, x, shown):
-    """What is shown, with what x gives on another mesh, loaded from rest, as far as it gets."""
+    """Say what is shown, with what x gives on another mesh, loaded from rest, as far as it gets."""
     other = _Fit(fit.fabric, *fit.given, size)
     # the same constants: the other mesh may have made a yarn denser
     room = max(np.exp(x[1]) + fit.densest - other.densest, np.exp(BOUNDS[0][1]))

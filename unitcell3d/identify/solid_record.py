@@ -243,7 +243,7 @@ class SolidFit:
 
 
 def _plain(values):
-    """A list with None in place of nan, which JSON has not."""
+    """Return a list with None in place of nan, which JSON has not."""
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
@@ -332,8 +332,8 @@ def record(
 
 
 def _reaches(x, limits):
-    """How far (4,) ln E_c, ln (V_c - Vf0), ln K_r and ln K_r E_c go down and up over the points that were
-    sought on all directions."""
+    """Say how far (4,) ln E_c, ln (V_c - Vf0), ln K_r and ln K_r E_c go down and up over the points
+    that were sought on all directions."""
     down = np.zeros(4)
     up = np.zeros(4)
     for pair in limits:
@@ -348,7 +348,7 @@ def _reaches(x, limits):
 
 
 def _half_widths(jacobian, free, freedom):
-    """(half widths (p,) of the logarithms of free constants, that of ln K_r E_c)."""
+    """Return (half widths (p,) of the logarithms of free constants, that of ln K_r E_c)."""
     half, _, singular, directions = identify(jacobian[:, free], 1.0, freedom)
     # of ln K_r E_c, from the directions: a difference of variances would be round-off where only
     # the product is known

@@ -63,12 +63,12 @@ def coverage(
 
 
 def _draw(random, count):
-    """(what is known of panels (count, 2), about 0; their rest (count,), normal)."""
+    """Return (what is known of panels (count, 2), about 0; their rest (count,), normal)."""
     return random.uniform(-0.5, 0.5, (count, 2)), random.standard_normal(count)
 
 
 def _limits(known, rest, scatter, slopes):
-    """Limits [m/s] of panels."""
+    """Return the limits [m/s] of panels."""
     return V50 * (1 + slopes * known.sum(axis=1) + scatter * rest)
 
 

@@ -115,7 +115,7 @@ class BiaxialFitPlan(Plan["BiaxialFitResult"]):
         return running.save(result)
 
     def _find_wrongly_kept(self, found):
-        """Which of a and b was kept though the tests, with both free, exclude its value."""
+        """Say which of a and b was kept though the tests, with both free, exclude its value."""
         from weavecell.studies import biaxial_fit as study
 
         kept = [name for name in ("a", "b") if name not in self.constants]

@@ -219,7 +219,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         return fractions
 
     def _find_range(self, fabric, solid, law, running):
-        """The LawRange of a law; None where it is not asked for, or nothing is unknown."""
+        """Return the LawRange of a law; None where it is not asked for, or nothing is unknown."""
         from unitcell3d.identify import law_range
 
         unknowns = law_range.list_unknowns(fabric, solid, self.fraction)
@@ -404,7 +404,7 @@ def calibrate(
 
 
 def _read_evidence(fabric, platen_curve, biaxial, fitted, constants):
-    """The Evidence of a file of biaxial tests, and of a platen curve if there is one."""
+    """Return the Evidence of a file of biaxial tests, and of a platen curve if there is one."""
     from unitcell3d.identify.solid_record import NAMES as SOLID
     from weavecell.studies import biaxial_tests, solid_tests
 
@@ -487,7 +487,7 @@ def curve_of(fabric: Fabric, path: FilePath | None) -> PlateCurve:
 
 
 def _solid(fabric, evidence, runs):
-    """The SolidFit of what was measured; an earlier run's if it is kept."""
+    """Return the SolidFit of what was measured; an earlier run's if it is kept."""
     from unitcell3d.identify import solid_fit
 
     kept = run_cache.RunCache(runs)
@@ -508,8 +508,8 @@ def _solid(fabric, evidence, runs):
 
 
 def _surface(fabric, pool):
-    """The ResponseSurface of a fitted solid up to the failure of both yarns, on a coarse mesh; the
-    exception of one that finds no equilibrium there."""
+    """Return the ResponseSurface of a fitted solid up to the failure of both yarns, on a coarse
+    mesh; the exception of one that finds no equilibrium there."""
     from unitcell3d.cases.biaxial_and_platens import displacements_at_failure
     from unitcell3d.identify import response_surface
 
@@ -824,7 +824,7 @@ class CalibrationResult(Result):
         return [f"{name:<13} {text}" for name, text in lines]
 
     def _say_tests(self):
-        """(name, text) of each biaxial test."""
+        """Return (name, text) of each biaxial test."""
         lines = []
         tests = self.tests
         if tests is None:
@@ -964,8 +964,8 @@ class CalibrationResult(Result):
         return display.frame(columns)
 
     def _list_solid_constants(self):
-        """The constants of the solid, which of them the measurements determine, and how it meets
-        these."""
+        """Return the constants of the solid, which of them the measurements determine, and how it
+        meets these."""
         from pandas import DataFrame
 
         from weavecell.report import pictures, pictures_biaxial, pictures_crossover
@@ -1013,7 +1013,7 @@ class CalibrationResult(Result):
         return Section("solid", "The solid yarn from tests", lead, tuple(drawn), tuple(tables))
 
     def _table_of_tests(self):
-        """Biaxial tests with their misfit, as a DataFrame."""
+        """Return the biaxial tests with their misfit, as a DataFrame."""
         from pandas import DataFrame
 
         tests = self.tests
@@ -1050,12 +1050,12 @@ def fabric_keys(solid: SolidFit) -> str:
 
 
 def _shares(pair):
-    """Shares of warp and weft as "1.9 / 1.7 %"."""
+    """Return the shares of warp and weft as "1.9 / 1.7 %"."""
     return display.number(pair, "%", ".2g").replace(", ", " / ") + " %"
 
 
 def _say_shares(shares):
-    """What makes the range, the largest first."""
+    """Say what makes the range, the largest first."""
     parts = [
         f"{name} {display.number(share, '%', '.0f')} %"
         for name, share in shares.items()
@@ -1065,7 +1065,7 @@ def _say_shares(shares):
 
 
 def _say_kept(fitted, determined):
-    """What the measurements say of a constant that was not fitted."""
+    """Say what the measurements say of a constant that was not fitted."""
     if determined:
         return f"they would tell it: {fitted.interval()}, 95 %; {option('constants', '')}"
     return "they do not tell it"

@@ -216,7 +216,8 @@ def _keywords_of_execution(function, signature):
 
 
 def _with_other_keys(problem, made, folder):
-    """The refusal of a folder to resume from, with the keys in which its input file is another one."""
+    """Return the refusal of a folder to resume from, with the keys in which its input file is
+    another one."""
     text = getattr(getattr(made, "target", None), "text", None)
     try:
         kept = files.parse_toml(files.read_text(folder / "scene.toml"))
@@ -234,7 +235,7 @@ def _with_other_keys(problem, made, folder):
 
 
 def _values(table, name=""):
-    """(dotted key, value) of all values of a table of a file."""
+    """Return (dotted key, value) of all values of a table of a file."""
     for key, value in table.items():
         if isinstance(value, dict):
             yield from _values(value, f"{name}{key}.")

@@ -485,5 +485,5 @@ class ComparisonResult(OfTwoPanels):
 
 
 def _say_verdict(verdict):
-    """Better or worse, in words."""
+    """Say better or worse, in words."""
     return verdict if verdict == "not decided" else f"A is {verdict}"

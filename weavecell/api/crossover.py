@@ -469,7 +469,8 @@ def _plan(
 
 
 def _check_weave(fabric, case, domain):
-    """InputError of a weave with floats whose cell is not solved, or not in this case or domain."""
+    """Return the InputError of a weave with floats whose cell is not solved, or not in this case or
+    domain."""
     pattern = fabric.weave.pattern
     if pattern.is_plain:
         return

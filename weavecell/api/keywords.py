@@ -428,7 +428,7 @@ def _unknown(key, value, known, function):
 
 
 def _mean_the_same(known):
-    """{what users call a keyword: its name}, as in files."""
+    """Return {what users call a keyword: its name}, as in files."""
     from fabrics.base.schema import tables_in
     from weavecell.scenes.impact import Scene
 

@@ -180,7 +180,7 @@ def reduce_pull_out(
 
 
 def _name_file(text):
-    """(number of crossings, file) of CROSSINGS=FILE."""
+    """Return (number of crossings, file) of CROSSINGS=FILE."""
     found = re.fullmatch(r"\s*(\d+)\s*=\s*(.+)", str(text))
     if found is None or int(found[1]) < 1:
         allowed = "the number of crossings, from 1, and a file, such as 20=twenty.csv"
@@ -316,7 +316,7 @@ class PullOutFriction(DrawnResult):
         return f"{text} ({low:.3g} to {high:.3g})"
 
     def _say_tests(self):
-        """How many tests there are, and how they scatter."""
+        """Say how many tests there are, and how they scatter."""
         found = self.friction
         numbers = dict.fromkeys(str(group.coupon.crossings) for group in found.groups)
         text = f"{counted(len(found.tests), 'test')} with {' and '.join(numbers)} crossings"

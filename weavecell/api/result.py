@@ -91,7 +91,8 @@ class Result:
         return self._find_answer(getattr(self, "title", self._what()), self.lines()[0])
 
     def _find_answer(self, subject, value, moved=(), advice=(), **more):
-        """The Answer with what the checks say and what is left out; `moved` are Movers with a number."""
+        """Return the Answer with what the checks say and what is left out; `moved` are Movers with
+        a number."""
         beyond = [check for check in self.checks if check.doubtful]
         beyond.sort(key=lambda check: -check.excess)
         numbers = {check.name: _say_check(check) for check in beyond}
@@ -154,7 +155,7 @@ class Result:
         return list(self._lines_of(assumed.laws))
 
     def _what_is_assumed(self) -> dict[str, Any]:
-        """Entries of a summary: what is doubtful, and what is assumed."""
+        """Return the entries of a summary: what is doubtful, and what is assumed."""
         entries = self._what_is_doubtful()
         if self.assumed:
             entries |= {"assumed": "; ".join(self.assumed)}
@@ -279,7 +280,7 @@ class Result:
 
 
 def _say_check(check):
-    """A check with its value and limit."""
+    """Return a check with its value and limit."""
     unit = f" {check.unit}".rstrip()
     return f"{check.name} {check.value:.3g}{unit} (limit {check.limit:g}{unit})"
 

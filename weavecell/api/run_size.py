@@ -276,7 +276,7 @@ class RunSize(_Size):
 
 
 def _say_beside(size):
-    """The line on the drawn shots beside a shot, if there are any."""
+    """Return the line on the drawn shots beside a shot, if there are any."""
     if size is None:
         return []
     return [f"beside it {counted(size.shots, 'drawn shot')}; {size.cost}"]
@@ -337,7 +337,8 @@ def _forecast_cpu_time(setup, pack):
 
 
 def _forecast_again(setup, series, high):
-    """Highest CPU time [s] of the runs that may follow a first one of `high`; a shorter step takes as much more."""
+    """Return the highest CPU time [s] of the runs that may follow a first one of `high`; a shorter step
+    takes as much more."""
     of_packs = {id(series[0][0].at_full_step): high}
     for *_, last in series:
         pack = last.at_full_step
@@ -349,8 +350,8 @@ def _forecast_again(setup, series, high):
 
 
 def _forecast_all_yarns(pack, wider, steps):
-    """The line on the run that follows, at the Pack `wider`, if the default zone of resolved yarns proves too
-    small."""
+    """Return the line on the run that follows, at the Pack `wider`, if the default zone of resolved
+    yarns proves too small."""
     from shellfabric.yarns.model import crossings_of
 
     crossings = sum(map(crossings_of, wider.plies))

@@ -318,8 +318,8 @@ class V50Result(StudyResult):
         return self._find_answer(subject, found.words(), moved, tuple(first.values()), over=over)
 
     def _say_first(self):
-        """{what to measure first: how, and by how much it narrows the V50 of a cloth}; {} where nothing
-        would."""
+        """Return {what to measure first: how, and by how much it narrows the V50 of a cloth}; {}
+        where nothing would."""
         from weavecell.runs import v50
         from weavecell.studies import unknown
 

@@ -409,7 +409,7 @@ def shot_of(panel: Target, result: ImpactResult, message: str, **more: Any) -> S
 
 
 def _with_draws(shot, plan, folder):
-    """The ShotResult with the drawn shots of a ShotPlan."""
+    """Return the ShotResult with the drawn shots of a ShotPlan."""
     from weavecell.runs import passing
     from weavecell.studies import inputs
 
@@ -819,8 +819,8 @@ class ShotResult(ImpactRecord, Result):
         return stamp
 
     def _sections(self, setup, stills):
-        """The chapters that have pictures or follow from options; `setup` is what was run, `stills`
-        pictures of its end."""
+        """Return the chapters that have pictures or follow from options; `setup` is what was run,
+        `stills` pictures of its end."""
         from weavecell.report import chapters, chapters_discretisation
         from weavecell.report.shot import chapters_shot, moving
 

@@ -71,7 +71,7 @@ class StudyResult(DrawnResult):
         return self.target.title
 
     def _name_shot(self, question):
-        """What is asked, and of what."""
+        """Say what is asked, and of what."""
         # a set-up has no words for its projectile
         nose = (self.target.projectile or "").partition(",")[0]
         return ", ".join(filter(None, (self.target.title, question, nose)))

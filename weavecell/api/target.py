@@ -100,17 +100,19 @@ class Target:
         return tuple(self.setup.impact_point) not in [(0.0, 0.0), aim(self.setup.fabric.weave)]
 
     def nominal(self) -> Target:
-        """The target of the one run that stands for all draws."""
+        """Return the target of the one run that stands for all draws."""
         from weavecell.studies import unknown
 
         return self._resolve(lambda setup: unknown.choose_nominal(setup, self.is_placed))
 
     def resolved(self) -> Target:
-        """The target with resolved yarns, if its input does not pin them and they can have what it asks for."""
+        """Return the target with resolved yarns, if its input does not pin them and they can have
+        what it asks for."""
         return self._resolve(lambda setup: setup)
 
     def _resolve(self, finish):
-        """The target whose set-up is what `finish` makes of it with resolved yarns, or else with pinned ones."""
+        """Return the target whose set-up is what `finish` makes of it with resolved yarns, or else
+        with pinned ones."""
         from shellfabric.impact.run import check_impact
         from weavecell.studies import places
 

@@ -236,7 +236,8 @@ def main(arguments: Iterable[str] | None = None) -> NoReturn:
 
 
 def _explain(problem, words):
-    """The line of a problem with options; one of earlier versions says what took its place."""
+    """Return the line of a problem with options; one of earlier versions says what took its
+    place."""
     name = getattr(problem, "option_name", "").removeprefix("--").removeprefix("no-")
     if not name:
         return " ".join(problem.format_message().split())

@@ -410,7 +410,8 @@ def _title(text):
 
 
 def _line(text):
-    """A text that is a line of its own, which no code takes for a keyword, a comment or a parameter."""
+    """Return a text that is a line of its own, which no code takes for a keyword, a comment or a
+    parameter."""
     return _ascii(text).lstrip("*/$#&!, ") or "untitled"
 
 

@@ -66,7 +66,7 @@ def tensions(fabric: Fabric, record: Record) -> dict[str, Any]:
 
 
 def _law_of_crossings(record):
-    """The law of compression of the crossings along one path, if it reaches contact."""
+    """Return the law of compression of the crossings along one path, if it reaches contact."""
     try:
         law = CompressionLaw.fit(record["F_c"], record["d_c"])
     except InputError:

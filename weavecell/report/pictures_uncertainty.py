@@ -173,7 +173,7 @@ def draw_passing(pyplot: Any, found: Passing) -> Any:
 
 
 def _pad(found, axis):
-    """The range of a friction, with room for marks at its ends."""
+    """Return the range of a friction, with room for marks at its ends."""
     low, high = [*found.unknown.values()][axis]
     room = 0.06 * (high - low)
     return low - room, high + room

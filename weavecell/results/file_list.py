@@ -127,7 +127,7 @@ def digest(path: Path) -> str:
 
 
 def _digest_inside(folder, name):
-    """The digest of a file in a folder; None without one, or if its name leads elsewhere."""
+    """Return the digest of a file in a folder; None without one, or if its name leads elsewhere."""
     path = files.find_inside(folder, name)
     if path is None or not path.is_file():
         return None

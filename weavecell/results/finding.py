@@ -134,7 +134,7 @@ class Answer:
 
 
 def _list(parts, mark, most=4, more="{} more"):
-    """Some of several things, and how many others there are."""
+    """Return some of several things, and how many others there are."""
     listed = [*map(str, parts)]
     rest = len(listed) - most
     shown = listed[:most]

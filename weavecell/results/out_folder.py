@@ -365,8 +365,9 @@ def _judge_names(folder, place, new, claimed):
 
 
 def _present(folder, names):
-    """The names of what a folder has under names with wildcards, of files and links that stand where
-    a folder of these names will be, and of links for or in a folder of finished runs."""
+    """Return the names of what a folder has under names with wildcards, of files and links that
+    stand where a folder of these names will be, and of links for or in a folder of finished
+    runs."""
     found = []
     for pattern in sorted(names):
         places = [folder]
@@ -385,7 +386,7 @@ def _present(folder, names):
 
 
 def _glob(folder, part):
-    """The paths in a folder with a name that may have wildcards, sorted."""
+    """Return the paths in a folder with a name that may have wildcards, sorted."""
     # a link that leads nowhere is no file for glob
     if "*" not in part and (folder / part).is_symlink():
         return [folder / part]

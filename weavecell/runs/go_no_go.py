@@ -227,21 +227,21 @@ class _Plane:
         return 3 + len(self.shots.names)
 
     def constants(self, p):
-        """(middle over the guess, slopes, scatter) of deviations (..., size)."""
+        """Return (middle over the guess, slopes, scatter) of deviations (..., size)."""
         slopes = self.reach * np.exp(COMMON * p[..., 1:2]) * p[..., 3:]
         return np.exp(FIRST * p[..., :1]), slopes, SCATTER * np.exp(SPREAD * p[..., 2:3])
 
     def apart(self, p):
-        """(..., n) scatters by which each shot lies on the side that its outcome says."""
+        """Return (..., n) scatters by which each shot lies on the side that its outcome says."""
         middle, slopes, scatter = self.constants(p)
         return self.sign * (self.velocity / middle - 1 - slopes @ self.shots.known.T) / scatter
 
     def cost(self, p):
-        """(...) minus the logarithm of the posterior, but for a constant."""
+        """Return (...) minus the logarithm of the posterior, but for a constant."""
         return 0.5 * (p * p).sum(axis=-1) - log_ndtr(self.apart(p)).sum(axis=-1)
 
     def score(self, p):
-        """(step to the mode, information) by Fisher's scoring."""
+        """Return (step to the mode, information) by Fisher's scoring."""
         middle, slopes, scatter = self.constants(p)
         apart = self.apart(p)
         own = self.reach * np.exp(COMMON * p[1:2])
@@ -257,7 +257,7 @@ class _Plane:
         return np.linalg.solve(information, jacobian.T @ slope - p), information
 
     def find_mode(self):
-        """(mode, information there)."""
+        """Return (mode, information there)."""
         p = np.zeros(self.size)
         for _ in range(30):
             move, information = self.score(p)
@@ -270,7 +270,7 @@ class _Plane:
         return p, information
 
     def sample(self, draws):
-        """(deviations (draws, size), weights (draws,)) of the posterior."""
+        """Return (deviations (draws, size), weights (draws,)) of the posterior."""
         p, information = self.find_mode()
         spread = _spread_evenly(self.size, draws)
         tail = 0.5 * (TAIL + self.size) * np.log1p((spread * spread).sum(axis=1) / TAIL)
@@ -362,7 +362,7 @@ def place(posterior: LimitPosterior, known: FloatArray) -> FloatArray:
 
 @lru_cache
 def _spread_evenly(size, draws):
-    """(draws, size) of a multivariate t of TAIL degrees of freedom."""
+    """Return (draws, size) of a multivariate t of TAIL degrees of freedom."""
     from scipy.stats import qmc
 
     share = np.clip(qmc.Sobol(size + 1, seed=1).random(draws), 1e-6, 1 - 1e-6)

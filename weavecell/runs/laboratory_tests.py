@@ -120,7 +120,7 @@ def _shot_of(table, line, cells):
 
 
 def _outcome(word, heading, refusal):
-    """The outcome that a cell says, with yes and no of a heading that asks for one."""
+    """Return the outcome that a cell says, with yes and no of a heading that asks for one."""
     if word in OUTCOMES:
         return OUTCOMES[word]
     asked = [outcomes for begin, outcomes in ASKED.items() if heading.startswith(begin)]

@@ -122,6 +122,6 @@ def count_doubts(shots: Sequence[Shot], failures: Sequence[str] = ()) -> tuple[s
 
 
 def _say_span(values):
-    """The lowest and the highest of numbers."""
+    """Return the lowest and the highest of numbers."""
     listed = [*values]
     return " to ".join(dict.fromkeys(f"{end:.3g}" for end in (min(listed), max(listed))))

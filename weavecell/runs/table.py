@@ -248,5 +248,6 @@ def grade_mesh(setup: ImpactSetup) -> ImpactSetup:
 
 
 def _plain(setup):
-    """A set-up as it is kept: what it records, and its own velocity, change no shot of a study."""
+    """Return a set-up as it is kept: what it records, and its own velocity, change no shot of a
+    study."""
     return replace(setup, strike_velocity=1.0, history=None, snapshot_interval=None)

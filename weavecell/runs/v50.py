@@ -198,7 +198,7 @@ def study(
 
 
 def _list_outcomes(names, values, fired):
-    """The Outcomes of the shots that have one."""
+    """Return the Outcomes of the shots that have one."""
     counted = [shot for shot in fired if not shot.failure]
     return Outcomes(
         names,

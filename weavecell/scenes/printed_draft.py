@@ -90,7 +90,7 @@ def write_draft(draft: Draft, path: FilePath, fitted: Collection[str] = ()) -> l
 
 
 def _completed(values, family):
-    """The values with those that stand in; as they are where too little is known."""
+    """Return the values with those that stand in; as they are where too little is known."""
     try:
         return complete(values, family)
     except InputError:
@@ -98,7 +98,7 @@ def _completed(values, family):
 
 
 def _without_contradictions(draft):
-    """(the values that a fabric takes, {key: why} of the others)."""
+    """Return (the values that a fabric takes, {key: why} of the others)."""
     kept = dict(draft.values)
     dropped: dict[str, str] = {}
     for _ in draft.values:
@@ -120,7 +120,7 @@ def _without_contradictions(draft):
 
 
 def _missing(draft, fitted):
-    """What a fabric needs and neither the sheet nor its family gives; "" if that is nothing."""
+    """Say what a fabric needs and neither the sheet nor its family gives; "" if that is nothing."""
     lacks = [key for key in REQUIRED if not {key, *INSTEAD.get(key, ())} & {*draft.values, *fitted}]
     words = [
         f'{key}, such as "{ALL[key].example}"' for key in lacks if key not in (*TYPICAL, "crimp")

@@ -120,7 +120,7 @@ class _Reader:
         self.unsaid_strain = False  # an elongation that does not say of what it is
 
     def sheet(self):
-        """The Sheet of the lines."""
+        """Return the Sheet of the lines."""
         while self.rows:
             line, cells = self.rows.pop(0)
             if self.turn(cells) or self.is_heading(cells):
@@ -134,7 +134,7 @@ class _Reader:
     # rows
 
     def split(self, text):
-        """[cells] of the rows of a line, of which it mostly has one."""
+        """Return [cells] of the rows of a line, of which it mostly has one."""
         cells = [text]
         if self.mark in (";", ","):
             with suppress(InputError):
@@ -172,7 +172,7 @@ class _Reader:
         return True
 
     def is_heading(self, cells):
-        """Whether the cells are headings of columns, which are then kept."""
+        """Tell whether the cells are headings of columns, which are then kept."""
         if len(cells) == 1 and all(map(sheet_names.column, cells[0].split())):
             cells = cells[0].split()  # columns one blank apart
         roles = [sheet_names.column(cell) for cell in cells]
@@ -193,7 +193,7 @@ class _Reader:
         return True
 
     def choose(self, labels):
-        """The place of the one fabric whose number a name of the files has; None without."""
+        """Return the place of the one fabric whose number a name of the files has; None without."""
         numbers = [re.findall(r"\d{2,}", label) for label in labels]
         named = {number for hint in self.hints for number in re.findall(r"\d+", hint)}
         fits = [place for place, each in enumerate(numbers) if named & {*each}]
@@ -226,7 +226,7 @@ class _Reader:
             line.why = A_HEADING
 
     def name_of(self, cells):
-        """(Name of a row or None, [(role of the column, cell)] of what follows it)."""
+        """Return (Name of a row or None, [(role of the column, cell)] of what follows it)."""
         fits = len(cells) == len(self.columns) or (self.mark and len(cells) > 2)
         columns = self.columns if fits else []
         pairs = list(zip([*columns, *[""] * len(cells)], cells))
@@ -281,7 +281,7 @@ class _Reader:
             line.why = str(why)
 
     def of_one_fabric(self, given):
-        """The cells of a row that are of the fabric that is meant."""
+        """Return the cells of a row that are of the fabric that is meant."""
         fabrics = [cell for role, cell in given if role == "fabric"]
         others = [(role, cell) for role, cell in given if role not in ("fabric", "other", "name")]
         if fabrics and self.chosen is None and len({fold(cell) for cell in fabrics}) > 1:
@@ -296,7 +296,7 @@ class _Reader:
         return others
 
     def understand(self, line, name, given, text):
-        """(key, {family or "": Reading}) of the cells of a row, which are a text."""
+        """Return (key, {family or "": Reading}) of the cells of a row, which are a text."""
         try:
             return self.understand_numbers(line, name, given)
         except UnknownWords:  # "Kevlar KM2 600 denier"
@@ -306,7 +306,7 @@ class _Reader:
             return "linear_density", {"": yarns.pop()}
 
     def understand_numbers(self, line, name, given):
-        """The same of cells in which nothing but numbers, units and families stands."""
+        """Return the same of cells in which nothing but numbers, units and families stands."""
         units, cells = [name.unit], []
         bounds = {name.bound, *(role for role, _ in given)}
         of_both = {*FAMILIES} <= bounds
@@ -412,7 +412,7 @@ class _Reader:
             self.found["count"] = {family: (*counts[family], line) for family in FAMILIES}
 
     def values(self):
-        """{key: Value} of what is found of both yarns, or of the fabric."""
+        """Return {key: Value} of what is found of both yarns, or of the fabric."""
         values = {}
         if self.unsaid_strain and (BREAKING in self.found or not {*self.found} & {*OF_FIBRE[:3]}):
             self.clashes["failure_strain"] = "may be of a strip of fabric, not of the yarn"
@@ -432,7 +432,7 @@ class _Reader:
         return values
 
     def family(self):
-        """The fibre family that the texts of the sheet name, if one alone; else None."""
+        """Return the fibre family that the texts of the sheet name, if one alone; else None."""
         words = [
             (fold(word), each.name)
             for each in list_families()
@@ -455,6 +455,6 @@ class _Reader:
 
 
 def _split_name(cell):
-    """[name, value] of "name: value" and "name = value", else [the cell]."""
+    """Return [name, value] of "name: value" and "name = value", else [the cell]."""
     parts = re.split(r"\s*(?<!\d):(?=\s|$)\s*|\s+[:=]\s+|(?<=[A-Za-z)\]]):(?=\S)", cell, maxsplit=1)
     return parts if len(parts) > 1 and parts[0] else [cell]

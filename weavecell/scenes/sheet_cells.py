@@ -130,13 +130,14 @@ def read_yarns(text: str) -> set[Reading]:
 
 
 def _tex_of_glass(found):
-    """The tex of a yarn of glass, whose number is hundreds of yards in a pound of one strand."""
+    """Return the tex of a yarn of glass, whose number is hundreds of yards in a pound of one
+    strand."""
     strands = max(1, int(found[2])) * max(1, int(found[3]))
     return f"{496054.648 / (100 * float(found[1]) * strands):.5g} tex"
 
 
 def _find_amounts(text):
-    """([Amount] of a text, words that are not known)."""
+    """Return ([Amount] of a text, words that are not known)."""
     found: list[Amount] = []
     words = []
     end = bracket = 0
@@ -175,7 +176,7 @@ def _find_amounts(text):
 
 
 def _length_of_unit(text, start):
-    """Length of the longest unit at a place of a text, 0 without one."""
+    """Return the length of the longest unit at a place of a text, 0 without one."""
     rest = re.split(r"[,;|()\[\]]", text[start : start + 30])[0]
     for stop in sorted({found.end() for found in re.finditer(r"[\w%\"'^.-]+", rest)}, reverse=True):
         if not re.match(r"\s*\^|\d", rest[stop:]) and sheet_names.unit(rest[:stop]):
@@ -184,7 +185,7 @@ def _length_of_unit(text, start):
 
 
 def _numbers_of(text):
-    """[numbers that a text may be by its marks, the likely one first]."""
+    """Return [numbers that a text may be by its marks, the likely one first]."""
     text = text.replace("'", "")
     if "," in text and "." in text:
         thousands = min(",.", key=text.rindex)
@@ -199,7 +200,7 @@ def _numbers_of(text):
 
 
 def _read_one_unit(name, amounts, unit, order):
-    """(key, {family or "": Reading}) of the numbers of one unit."""
+    """Return (key, {family or "": Reading}) of the numbers of one unit."""
     if not unit and "count" not in name.keys:
         raise Unclear("has no unit")
     key = next((key for key in name.keys if unit and ALL[key].takes(f"1 {unit}")), "")
@@ -217,7 +218,7 @@ def _read_one_unit(name, amounts, unit, order):
 
 
 def _of_families(name, key, amounts, order):
-    """(family or "" of both, Amount) of one or two numbers."""
+    """Return (family or "" of both, Amount) of one or two numbers."""
     if len(amounts) == len(order) > 1:
         roles = dict(zip(order, amounts))
         return (

@@ -32,7 +32,7 @@ WEAVE, DESCRIPTION = "weave", "description"
 
 
 def _turned(table):
-    """{word: key} of {key: words}."""
+    """Return {word: key} of {key: words}."""
     return {word: key for key, words in _DATA[table].items() for word in words}
 
 
@@ -138,7 +138,8 @@ def find(text: str) -> Name | None:
 
 
 def _find_one(text, written, more):
-    """The Name of a text without brackets, of which `more` are the words and `written` the unit."""
+    """Return the Name of a text without brackets, of which `more` are the words and `written` the
+    unit."""
     if not written:
         text, written = _without_unit(text)
     words = _words(re.sub(r"(?<=[a-z])\^\d|\b\d\)$", "", text))  # without marks of footnotes
@@ -169,7 +170,7 @@ def _find_one(text, written, more):
 
 
 def _without_unit(text):
-    """(the text before a unit at its end, that unit), or (the text, "")."""
+    """Return (the text before a unit at its end, that unit), or (the text, "")."""
     for cut in re.finditer(r"\s*(?:[,:/]|\s-\s|\sin\s|\bper\b|(?<=\s)(?=[a-z%\"/]|1 ?/))", text):
         before, behind = text[: cut.start()].strip(" ,-:"), text[cut.start() :]
         for tail in (behind, re.sub(r"^\s*(?:[,:/-]|in\s)\s*", "", behind)):

@@ -114,7 +114,7 @@ def read(path: FilePath, spacing: Sequence[float]) -> list[BiaxialTest]:
 
 
 def _read_rows(path, spacing):
-    """(Table, {load that is per width: [m] of a yarn})"""
+    """Return (Table, {load that is per width: [m] of a yarn})."""
 
     def read_with(unit):
         return read_table(

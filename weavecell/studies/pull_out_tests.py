@@ -208,7 +208,7 @@ def read(
 
 
 def _row(table, line, cells, spacing, usual):
-    """{"test", "group", "displacement", "load", "line"} of a line of a Table, in SI."""
+    """Return {"test", "group", "displacement", "load", "line"} of a line of a Table, in SI."""
 
     def refusal(name, allowed):
         return refused(cells[name], allowed, file=table.path, key=f"{line}, {name}")
@@ -255,7 +255,7 @@ def _row(table, line, cells, spacing, usual):
 
 
 def _split(rows):
-    """Lists of the rows of a record each."""
+    """Return the lists of the rows of a record each."""
     span = np.ptp([row["displacement"] for row in rows])
     parts: dict[Any, list] = {}
     done = []
@@ -277,7 +277,7 @@ def _split(rows):
 
 
 def _record(path, number, rows):
-    """The PullOutTest of the rows of a record."""
+    """Return the PullOutTest of the rows of a record."""
     name = rows[0]["test"] or f"{number}"
     if len(rows) < FEWEST_ROWS:
         allowed = (
@@ -569,7 +569,7 @@ def fit(groups: Sequence[PullOutGroup], usual: Sequence[float]) -> FittedFrictio
 
 
 def _are_apart(groups, mu, log_cohesion):
-    """Whether the groups tell mu and c0 from each other: their slopes differ."""
+    """Tell whether the groups tell mu and c0 from each other: their slopes differ."""
     step = 0.02
     tells = []
     for group in groups:

@@ -96,6 +96,6 @@ def _pair(shares):
 
 
 def _largest(values):
-    """The largest; infinite where none is known, as of a test that found no equilibrium."""
+    """Return the largest; infinite where none is known, as of a test that found no equilibrium."""
     known = [value for value in values if np.isfinite(value)]
     return max(known, default=np.inf)

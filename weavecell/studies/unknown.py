@@ -95,7 +95,8 @@ class Unknown:
 
 
 def _spread(seed, number):
-    """(SPREAD,) of the numbers from 0 on they are spread evenly, each by itself may be anywhere."""
+    """Return (SPREAD,) of the numbers from 0 on they are spread evenly, each by itself may be
+    anywhere."""
     # the first draws of the shift are those of the place
     shift = np.random.default_rng(seed).uniform(size=SPREAD)
     return (_sobol_points(1 + number)[number] + shift) % 1.0
@@ -103,7 +104,7 @@ def _spread(seed, number):
 
 @cache
 def _sobol_points(least):
-    """At least so many points of the sequence."""
+    """Return at least so many points of the sequence."""
     if least & (least - 1):
         return _sobol_points(1 << least.bit_length())
     # takes a quarter of a second to load, which one run at nominal values does not need
@@ -114,9 +115,9 @@ def _sobol_points(least):
 
 @cache
 def _scrambled(name, seed, number):
-    """Point of a number of van der Corput's sequence, shuffled and scrambled: each binary digit of the number, then
-    of the point, is turned round or not by what the digits above it are. Numbers of a block of 2^k are spread evenly,
-    in an order that is another for each name."""
+    """Return the point of a number of van der Corput's sequence, shuffled and scrambled: each binary
+    digit of the number, then of the point, is turned round or not by what the digits above it are.
+    Numbers of a block of 2^k are spread evenly, in an order that is another for each name."""
 
     def turn(digits, what):
         found = ""

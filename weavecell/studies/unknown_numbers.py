@@ -133,7 +133,7 @@ def in_each_ply(way: Way, when: Callable[[ImpactSetup], bool] = lambda setup: Tr
 
 
 def _range_of(number, source="the input"):
-    """The Range of a number that says it itself."""
+    """Return the Range of a number that says it itself."""
     return Range(float(number), *number.span, source, number.given, number.deviation)
 
 
@@ -142,7 +142,7 @@ def _of_entry(entry: Entry) -> Range:
 
 
 def _of_ratios(fabric: Fabric, key: str) -> Range | None:
-    """The range of a number of a fabric file over its value; None without one."""
+    """Return the range of a number of a fabric file over its value; None without one."""
     low, high = fabric.ranges.get(key, (1.0, 1.0))
     if not low < high:
         return None
@@ -152,8 +152,8 @@ def _of_ratios(fabric: Fabric, key: str) -> Range | None:
 
 
 def _of_number(entry, read, write):
-    """The Way of a number that says itself whether it is known: read(setup), None where there is none;
-    entry(*fabrics) is the Entry that stands in for it."""
+    """Return the Way of a number that says itself whether it is known: read(setup), None where
+    there is none; entry(*fabrics) is the Entry that stands in for it."""
 
     def find(setup, scatter):
         number = read(setup)
@@ -179,7 +179,7 @@ def _of_sheets(key):
 
 
 def _of_zones(key):
-    """Of resolved yarns, whose model takes a while to load."""
+    """Return the entry of a key of resolved yarns, as a function: their model takes a while to load."""
 
     def entry(*fabrics):
         from shellfabric.yarns.model import DATA
@@ -190,7 +190,7 @@ def _of_zones(key):
 
 
 def _field_of_zone(field):
-    """(read, write) of a number of resolved yarns."""
+    """Return (read, write) of a number of resolved yarns."""
 
     def read(setup):
         return setup.crossovers and getattr(setup.crossovers, field)
@@ -202,7 +202,7 @@ def _field_of_zone(field):
 
 
 def _field_of_pack(field):
-    """(read, write) of a number of packs."""
+    """Return (read, write) of a number of packs."""
 
     def read(setup):
         return getattr(setup, field) if setup.plies > 1 else None
@@ -227,8 +227,8 @@ def _write_resilience(setup, value):
 
 
 def of_place(axis: int) -> Way:
-    """The Way of the place that is struck, in spacings from the crossover that is nearest to the impact
-    point. One ply of pinned yarns keeps its planes of symmetry."""
+    """Return the Way of the place that is struck, in spacings from the crossover that is nearest to
+    the impact point. One ply of pinned yarns keeps its planes of symmetry."""
 
     def find(setup, scatter):
         if setup.crossovers is None and (setup.plies == 1 or setup.backing is not None):
@@ -250,8 +250,8 @@ def of_place(axis: int) -> Way:
 
 
 def _find_roll(setup, scatter):
-    """Beyond the nose's own: any angle of a half turn, after which a chisel is the same; of a body of an STL
-    file of a full one."""
+    """Return the range of a roll beyond the nose's own: a half turn, after which a chisel is the
+    same; a full one for a body of an STL file."""
     nose = setup.projectile
     if nose.known.turned or of_place(0).find(setup, scatter) is None:
         return None
@@ -265,7 +265,7 @@ def _write_roll(setup, value):
 
 
 def _ranged_clamps(edge):
-    """The friction clamps with a range of an edge in any of its forms."""
+    """Return the friction clamps with a range of an edge in any of its forms."""
     if isinstance(edge, tuple):
         for part in edge:
             yield from _ranged_clamps(part)
@@ -290,7 +290,7 @@ def _put_clamp(setup, share, scatter):
 
 
 def _gaps(setup):
-    """The Range, or None of what is given, of the gap behind each ply but the last."""
+    """Return the Range, or None of what is given, of the gap behind each ply but the last."""
     if setup.plies == 1:
         return []
     found = []
@@ -332,7 +332,8 @@ def _has_laws(setup):
 
 
 def _find_woven(ply, scatter):
-    """Yarns are tested before weaving: what is left of their strength is assumed, unless it is given."""
+    """Return the range of the strength that weaving leaves: yarns are tested before it, so that it is
+    assumed, unless it is given."""
     fabric = ply.fabric
     stated = fabric.sources.get(WOVEN, {}).get("value")
     if is_assumed(stated):
@@ -350,7 +351,8 @@ def _write_woven(ply, value):
 
 
 def _of_yarns(*names):
-    """The Way of numbers of [warp] and [weft] that a fabric file has with a range, as factors."""
+    """Return the Way of numbers of [warp] and [weft] that a fabric file has with a range, as
+    factors."""
 
     def find(ply, scatter):
         keys = [f"{family}.{name}" for name in names for family in FAMILIES]
@@ -369,8 +371,8 @@ def _of_yarns(*names):
 
 
 def of_panels(factor: str, spread: str) -> Way:
-    """The Way of a factor of `inputs.scale_fabric` that differs from panel to panel, where no fabric
-    file has a range of it."""
+    """Return the Way of a factor of `inputs.scale_fabric` that differs from panel to panel, where
+    no fabric file has a range of it."""
 
     def find(setup, scatter):
         share = getattr(scatter, spread)
@@ -384,8 +386,9 @@ def of_panels(factor: str, spread: str) -> Way:
 
 
 def _of_geometry(entry, field):
-    """The Way of what crimp is computed from where the fabric file does not give it: a number of
-    `data_sheet.toml` and keyword of `assumed.of_thickness`, which takes all of them at once."""
+    """Return the Way of what crimp is computed from where the fabric file does not give it: a
+    number of `data_sheet.toml` and keyword of `assumed.of_thickness`, which takes all of them at
+    once."""
 
     def find(ply, scatter):
         fabric = ply.fabric
@@ -406,7 +409,7 @@ def _of_geometry(entry, field):
 
 
 def _with_geometry(ply, numbers):
-    """A ply whose crimp follows from {keyword of `assumed.of_thickness`: value}."""
+    """Return a ply whose crimp follows from {keyword of `assumed.of_thickness`: value}."""
     return replace(ply, fabric=assumed.of_thickness(ply.fabric, **numbers)) if numbers else ply
 
 
@@ -483,7 +486,7 @@ def _write_failure_length(ply, value):
 
 
 def _find_strengths(setup, scatter):
-    """Of the yarns of a panel about their mean (`strengths`)."""
+    """Return the range of the strengths of a panel's yarns over their mean (`strengths`)."""
     # that of the first ply stands for all
     shape = setup.fabrics[0].weibull_shape if scatter.shape is None else scatter.shape
     if not setup.yarn_failure or shape == inf:
