@@ -220,8 +220,10 @@ class Pattern:
         basket 2x2 and twill 2/2."""
         own = self.matrix
         warps, wefts = own.shape
-        halves = [(warps // 2, 0)] * (warps % 2 == 0) + [(wefts // 2, 1)] * (wefts % 2 == 0)
-        if len(halves) == 2 and all(np.array_equal(np.roll(own, *half), ~own) for half in halves):
+        if warps % 2 or wefts % 2:
+            return warps, wefts, 1
+        shifted = (np.roll(own, warps // 2, 0), np.roll(own, wefts // 2, 1))
+        if all(np.array_equal(half, ~own) for half in shifted):
             return warps // 2, wefts // 2, -1
         return warps, wefts, 1
 

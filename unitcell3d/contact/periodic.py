@@ -26,7 +26,20 @@ from unitcell3d.material.numerics import Numerics
 NO_PLACES = np.empty((0, 0), np.int64)
 
 
-class Edges:
+class Frictionless:
+    """A contact that slides without friction: it has nothing to keep from a step to the next."""
+
+    anchors = np.empty((0, 2))
+
+    def commit(self, x: FloatArray, numerics: Numerics) -> None:
+        """Keep nothing."""
+
+    def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
+        """Return 0 and 0: no friction resists."""
+        return 0.0, 0.0
+
+
+class Edges(Frictionless):
     """The edge of one yarn (`first`) and that of its neighbour towards growing x or y (`second`):
     node numbers (i, k).
 
@@ -37,8 +50,6 @@ class Edges:
     across : component that leads from the one to the other
     thicknesses : (2,) [m] of the yarns
     """
-
-    anchors = np.empty((0, 2))  # edges slide without friction
 
     def __init__(
         self,
@@ -80,9 +91,6 @@ class Edges:
         """Tell whether the pattern lacks what was met, as `surfaces.SurfacePairs.pattern_outdated`
         does."""
         return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
-
-    def commit(self, x: FloatArray, numerics: Numerics) -> None:
-        """Keep nothing: edges slide without friction."""
 
     def assemble(
         self,
@@ -134,7 +142,7 @@ def crossings(mesh: YarnMesh, cells: int) -> list[tuple[Pass, Pass]]:
     return found
 
 
-class Sides:
+class Sides(Frictionless):
     """The side of one yarn that lies along that of a parallel neighbour at its own height: points of its
     edge held off the neighbour's edge, with the normal in the plane, from the one to the other.
 
@@ -149,8 +157,6 @@ class Sides:
     share : [-] of the penalty
     offset : [m] sum of the distances of both tips from the means of their flanks, at rest
     """
-
-    anchors = np.empty((0, 2))  # sides slide without friction
 
     def __init__(
         self,
@@ -199,13 +205,6 @@ class Sides:
         met = self._nodes[self._nodes[:, 0] >= 0]
         return len(met) > 0 and not self._pattern.holds(met)
 
-    def commit(self, x: FloatArray, numerics: Numerics) -> None:
-        """Keep nothing: sides slide without friction."""
-
-    def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
-        """Return 0 and 0: sides slide without friction."""
-        return 0.0, 0.0
-
     def assemble(
         self,
         x: FloatArray,
@@ -237,7 +236,7 @@ class Sides:
         )
 
 
-class Stick:
+class Stick(Frictionless):
     """Springs in the plane between the middles of two yarns where they cross: so weak that they bear
     nothing, enough that a slack yarn does not drift.
 
@@ -245,7 +244,6 @@ class Stick:
     stiffness : [N/m] of each
     """
 
-    anchors = np.empty((0, 2))
     gaps = np.empty(0)
     deepest = 0.0
 
@@ -265,13 +263,6 @@ class Stick:
     def pattern_outdated(self) -> bool:
         """Return False: the springs stay where they are."""
         return False
-
-    def commit(self, x: FloatArray, numerics: Numerics) -> None:
-        """Keep nothing."""
-
-    def mobilised_friction(self, x: FloatArray, numerics: Numerics) -> tuple[float, float]:
-        """Return 0 and 0: the springs are no friction."""
-        return 0.0, 0.0
 
     def assemble(
         self,

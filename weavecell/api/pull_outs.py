@@ -10,7 +10,6 @@ The folder of `weavecell reduce pull-out`
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -174,18 +173,9 @@ def reduce_pull_out(
         count = quantities.read_whole(crossings, "crossings", 1)
     tests = studies.read(record, spacing, crossings=count, **usual)
     for text in more or ():
-        number, file = _name_file(text)
+        number, file = quantities.numbered_file("more", text, "crossings", least=1)
         tests += studies.read(file, spacing, crossings=number, **usual)
     return PullOutPlan(case, tuple(tests), Path(record).name)
-
-
-def _name_file(text):
-    """Return (number of crossings, file) of CROSSINGS=FILE."""
-    found = re.fullmatch(r"\s*(\d+)\s*=\s*(.+)", str(text))
-    if found is None or int(found[1]) < 1:
-        allowed = "the number of crossings, from 1, and a file, such as 20=twenty.csv"
-        raise InputError(key="more", value=text, allowed=allowed)
-    return int(found[1]), found[2].strip()
 
 
 @explain_frozen

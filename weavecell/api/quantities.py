@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Iterable, Mapping
 from math import isfinite
 from numbers import Integral
@@ -157,3 +158,28 @@ def refuse_unused(options: Mapping[str, Any], where: str) -> None:
         if value is not None:
             allowed = f"left out {where}: it changes nothing there"
             raise InputError(key=key, value=value, allowed=allowed)
+
+
+def numbered_file(key: str, text: str, counts: str, least: int) -> tuple[int, str]:
+    """Return (number, file) of a text NUMBER=FILE.
+
+    Parameters
+    ----------
+    key : name of the argument, for the message
+    counts : what the number is of, in the plural
+    least : number that is allowed
+
+    Raises
+    ------
+    InputError : another form, or a smaller number
+
+    Examples
+    --------
+    >>> numbered_file("pack", "4=four.csv", "plies", least=2)
+    (4, 'four.csv')
+    """
+    found = re.fullmatch(r"\s*(\d+)\s*=\s*(.+)", str(text))
+    if found is None or int(found[1]) < least:
+        allowed = f"the number of {counts}, from {least}, and a file, such as 4=four.csv"
+        raise InputError(key=key, value=text, allowed=allowed)
+    return int(found[1]), found[2].strip()

@@ -18,7 +18,6 @@ Of `weavecell reduce shot`
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -112,7 +111,7 @@ def reduce_compression(
     plies = [1]
     records = [read(record)]
     for text in pack or ():
-        count, file = _pack(text)
+        count, file = quantities.numbered_file("pack", text, "plies", least=2)
         plies.append(count)
         records.append(read(file))
     taken_off = None if rig is None else read(rig)
@@ -148,15 +147,6 @@ def _refuse_alike(records):
             message = f"holds the same numbers as {seen[numbers]}"
             raise InputError(message, file=one.source, allowed="a record of its own")
         seen[numbers] = one.source
-
-
-def _pack(text):
-    """(number of plies, file) of PLIES=FILE."""
-    found = re.fullmatch(r"\s*(\d+)\s*=\s*(.+)", str(text))
-    if found is None or int(found[1]) < 2:
-        allowed = "the number of plies, from 2, and a file, such as 4=four.csv"
-        raise InputError(key="pack", value=text, allowed=allowed)
-    return int(found[1]), found[2].strip()
 
 
 @explain_frozen

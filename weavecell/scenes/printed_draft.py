@@ -14,6 +14,7 @@ from pathlib import Path
 
 from fabrics import assumed
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.files import write
@@ -53,12 +54,14 @@ def read_draft(path: FilePath, name: str, family: str | None = None) -> tuple[Dr
         f"{key} {' / '.join(dict.fromkeys(filter(None, (value.warp, value.weft))))}"
         for key, value in kept.items()
     ]
-    texts += [f"family {family}"] * (family is not None)
-    told = f"{Path(path).name}: {', '.join(texts)}; not used: {unused or 'no'} line{'s' * (unused > 1)}"
+    if family is not None:
+        texts.append(f"family {family}")
+    left = counted(unused, "line") if unused else "no line"
+    summary = f"{Path(path).name}: {', '.join(texts)}; not used: {left}"
     if contradictions:
-        told += f"; left out, for they contradict the rest: {', '.join(contradictions)}"
+        summary += f"; left out, for they contradict the rest: {', '.join(contradictions)}"
     draft = Draft(name, _completed(kept, family), file=path, family=family)
-    return replace(draft, remarks=(f"Of {Path(path).name}:", *remarks)), told
+    return replace(draft, remarks=(f"Of {Path(path).name}:", *remarks)), summary
 
 
 def write_draft(draft: Draft, path: FilePath, fitted: Collection[str] = ()) -> list[str]:
@@ -68,7 +71,8 @@ def write_draft(draft: Draft, path: FilePath, fitted: Collection[str] = ()) -> l
     for key, value in draft.values.items():
         if value.stands_in:
             low, high = value.ranges.get("warp", ("", ""))
-            stands_in.append(f"{key} {value.warp}" + f" ({low} .. {high})" * bool(low))
+            ends = f" ({low} .. {high})" if low else ""
+            stands_in.append(f"{key} {value.warp}{ends}")
     missing = _missing(draft, fitted)
     try:
         fabric = draft.fabric()

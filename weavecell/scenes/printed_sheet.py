@@ -151,8 +151,10 @@ class _Reader:
         if self.mark and len(filled) != 1:
             return [cells]
         parts = [part for pair in pairs for part in pair]
-        # headings of columns, the first of which has none
-        return [[""] * (len(parts) > 1 and text.startswith(" " * 8)) + parts]
+        if len(parts) > 1 and text.startswith(" " * 8):
+            # headings of columns, the first of which has none
+            parts = ["", *parts]
+        return [parts]
 
     def turn(self, heading):
         """Turn a table with a heading of names and a row of each fabric; whether this is one."""
