@@ -9,7 +9,6 @@ ROOT = Path(__file__).parents[1]
 MUTANTS = tomllib.loads((ROOT / "tools" / "mutants.toml").read_text("utf-8"))["mutant"]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant["id"])
 def test_a_defect_can_be_planted(mutant):
     code = (ROOT / mutant["file"]).read_text("utf-8")

@@ -85,14 +85,7 @@ CONE = pytest.mark.xfail(
 )
 
 
-FLAT = pytest.mark.xfail(
-    strict=True,
-    reason="torn at 150 m/s it deflects 1.10 % less, since slack yarns have no viscosity",
-)
-
-
-MARKS = {"cone": CONE} | dict.fromkeys(("sphere", "chisel"), pytest.mark.slow(10))
-MARKS["flat"] = [pytest.mark.slow(10), FLAT]
+MARKS = {"cone": CONE} | dict.fromkeys(("sphere", "chisel", "flat"), pytest.mark.slow(10))
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=MARKS.get(n, ())) for n in stl_noses.NOSES])

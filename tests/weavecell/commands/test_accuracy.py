@@ -24,7 +24,7 @@ def scene(tmp_path):
 def test_the_target_is_kept_against_a_mesh_that_is_finer_everywhere_and_resumed(
     command, succeed, scene, interrupted, drawn_once, tmp_path
 ):
-    out = succeed(f"impact {scene} --out results")
+    out = succeed(f"impact {scene} --out results -v")
     with interrupted(0.45):
         assert command(f"impact {scene} --out resumed")[0] == 130
     assert [path.suffix for path in (tmp_path / "resumed").glob("[!.]*")] == [".h5"]
