@@ -254,10 +254,12 @@ class Pattern:
         return np.where(self.is_warp_up(crossing, yarn), -1.0, 1.0)
 
     def rotated(self) -> Pattern:
-        """Return the pattern of the fabric rotated by a right angle: its weft is the warp then."""
-        if self.is_plain:
-            return self
-        return self._of(~np.rot90(self.matrix), f"{self.name}, rotated")
+        """Return the pattern of the fabric rotated by a right angle about the crossing of its first yarns:
+        its weft is the warp then, and on top there where it was."""
+        name = self.name
+        if not self.is_plain:
+            name = f"{name}, rotated"
+        return self._of(~np.roll(np.rot90(self.matrix), 1, axis=0), name)
 
 
 PLAIN = Pattern(((True, False), (False, True)), "plain")

@@ -129,7 +129,15 @@ def test_a_rotation_is_undone_by_three_more_and_turns_the_line_of_a_twill():
     # the weft, on top a quarter of the way, is the warp of the rotated fabric
     assert twill.matrix.mean() == 0.75
     assert twill.rotated().matrix.mean() == 0.25
-    assert PLAIN.rotated() is PLAIN
+
+
+@pytest.mark.parametrize("name", ["plain", "basket 2x2", "twill 3/1", "satin 5", "crowfoot"])
+def test_a_rotated_pattern_has_the_yarns_on_top_that_were(name):
+    own = Pattern.read(name)
+    warp, weft = np.ix_(np.arange(-4, 5), np.arange(-3, 6))
+    # the weft yarns are the warp yarns from the other end
+    assert np.array_equal(own.rotated().is_warp_up(-weft, warp), ~own.is_warp_up(warp, weft))
+    assert own.rotated().rotated().rotated().rotated().rows == own.rows
 
 
 def test_both_families_see_one_crossing_from_two_sides():

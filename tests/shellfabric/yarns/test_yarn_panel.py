@@ -9,6 +9,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError, UnstableError
+from fabrics.variants import rotated_90
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.checkpoint import Checkpoints
@@ -50,6 +51,22 @@ def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
     assert result.energies["crossover_friction"][-1] > 1e-3 * result.strike_energy
     assert zone.stored == zone.friction_work == 0.0  # a run leaves the panel at rest
     assert 1e-4 < result.max_deflection < 60.0 * 40e-6
+
+
+def test_a_shot_is_the_same_with_warp_and_weft_exchanged():
+    """To rounding: the weft is on top where it was, and no step prefers a family."""
+    place = aim(SETUP.fabric.weave)
+    rows = {"opening": (0.04, 0.05), "impact_point": place, "strike_velocity": 200.0}
+    own = replace(SETUP, **rows)
+    # seen from x = y: the pattern of plain weave is its own mirror image
+    other = replace(
+        own, fabric=rotated_90(own.fabric), opening=own.opening[::-1], impact_point=place[::-1]
+    )
+    first, second = map(run_impact, (own, other))
+    assert first.residual_velocity < 195.0
+    assert second.residual_velocity == pytest.approx(first.residual_velocity, rel=1e-9)
+    cut = [result.plies["cut_yarns"][-1].sum() for result in (first, second)]
+    assert cut[0] == cut[1] > 0
 
 
 def test_nose_membrane_and_zone_keep_their_momentum(table):
