@@ -200,16 +200,28 @@ def solid_fibre(fabric: Fabric) -> PlyLaw:
     ------
     InputError : no transverse modulus, given or of a known family of fibres (`fabrics.assumed`)
     """
-    weave = fabric.weave
     laws = with_solid_laws(fabric).solid_laws
     assert laws is not None
-    give = sum(
-        length * yarn.linear_density / weave.cell_area / (yarn.fibre_density * law.E_c)
-        for length, yarn, law in zip(weave.S0, weave.yarns, laws)
-    )
+    give = _give(fabric, [law.E_c for law in laws])
     samples = np.array([0.0, SOLID_TRAVEL])
     return PlyLaw(
         samples, samples / give, 1 / give, "solid fibre, E_c rho_f / areal density", "assumed"
+    )
+
+
+def half_a_ply(fabric: Fabric) -> float:
+    """Compute the stiffness [Pa/m] of half a ply of solid fibre, which a nose presses on: twice that
+    of `solid_fibre`; of yarns of no known family with the lowest modulus of all families."""
+    return 2 / _give(fabric, transverse_moduli(fabric))
+
+
+def _give(fabric, moduli):
+    """[m/Pa] closure of a ply of solid fibre by the pressure, with transverse moduli (warp, weft)
+    [Pa]."""
+    weave = fabric.weave
+    return sum(
+        length * yarn.linear_density / weave.cell_area / (yarn.fibre_density * modulus)
+        for length, yarn, modulus in zip(weave.S0, weave.yarns, moduli)
     )
 
 

@@ -82,9 +82,9 @@ class PointLaw(Row):
     stiffness = number("N/m", "penalty stiffness of a contact point with the projectile")
     damping = number("N s/m", "damping of a contact point")
     mass = number("kg", "mass of the fabric, or of the net, at a contact point")
-    implicit_factor = number(
-        "-", "stiffness of the implicit contact over `stiffness`; 0: explicit contact"
-    )
+    implicit = number("-", "1: the force is that of the end of the step; 0: explicit contact")
+    stick_stiffness = number("N/m", "stiffness along the surface of a point that sticks")
+    stick_damping = number("N s/m", "most damping along the surface of such a point")
     share_drag = number("N s/m", "D of limited shares of a point; 0: plain shares")
 
 

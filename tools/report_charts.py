@@ -61,7 +61,7 @@ TITLES = {
     "stability-bracket": "The bracket of weavecell, same points",
     "stability-printed-law": "The compression law as printed",
     "stability-time-step": "Time step",
-    "stability-penalty": "Contact with the nose",
+    "stability-nose-stiffness": "Contact with the nose",
     "stability-viscosity": "Viscosity of the yarns",
     "stability-edge-radius": "Edge radius of the nose against the mesh",
     "stability-plies": "Contact between plies",

@@ -1,15 +1,13 @@
 """Coulomb friction at a contact point: of fabric and projectile, and of yarns that cross.
 
-A point that sticks is held by a spring of the contact's own stiffness k, with its damping c, along
-the surface; what the spring could hold beyond the friction mu f it lets slip (Coulomb's law
-regularised by an elastic slip, as the penalty regularises the gap). With g the elastic slip and v
-the velocity of the fabric over the projectile, both along the surface,
+A point that sticks is held by a spring k along the surface that remembers its elastic slip s, with a
+damper c; what is beyond Coulomb's limit mu f the spring lets slip, and the damper has what the
+spring leaves of the limit. With v the velocity of the fabric over the projectile along the surface
 
-    t = -(k g + c v),                                                (1)
-    where |t| > mu f:   t := mu f t / |t|,  g := -t / k.             (2)
+    t = -(k s + c v),     s' = v,     k |s| <= mu f,     c |v| <= mu f - k |s|.              (1)
 
-Stiffness and damping are the contact's own, so that the time step of the contact holds for friction
-too, and no further parameter has to be chosen.
+So the damper takes energy, whatever the slip, and never winds up the spring. Stiffness and most of
+the damping are those of `contact.friction.stick`, which the time step has room for.
 """
 
 import math
@@ -26,7 +24,7 @@ def friction_force(last_slip, last_force, limit, spring, dt, normal, v):
     ----------
     last_slip, last_force : (3,) elastic slip [m] and friction force [N] of the last step, updated
     limit : [N] mu f
-    spring : stiffness k [N/m], damping c [N s/m]
+    spring : stiffness k [N/m], damping c [N s/m] at most
     normal : unit vector of the surface
     v : [m/s] velocity of the fabric over it
 
@@ -40,11 +38,14 @@ def friction_force(last_slip, last_force, limit, spring, dt, normal, v):
     v = across(v, normal)
     # the surface may have turned since the last step
     slip = across(add_scaled(three(last_slip, 0), dt, v), normal)
+    held = k * math.sqrt(dot(slip, slip))
+    if held > limit:  # it slides
+        slip = scaled(limit / held, slip)
+        held = limit
+    speed = math.sqrt(dot(v, v))
+    if c * speed > limit - held:
+        c = (limit - held) / speed
     force = add_scaled(scaled(-k, slip), -c, v)  # eq. (1)
-    size = math.sqrt(dot(force, force))
-    if size > limit:  # eq. (2): it slides, and the spring keeps what the limit holds
-        force = scaled(limit / size, force)
-        slip = scaled(-1.0 / k, force)
     taken -= 0.5 * dt * dot(force, v)
     for axis in range(3):
         last_slip[axis] = slip[axis]

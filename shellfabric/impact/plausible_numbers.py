@@ -140,5 +140,5 @@ def _of_times(setup):
 
 def _of_numerics(setup):
     numerics = setup.numerics
-    for key in ("penalty", "contact_damping", "erosion_gap"):
+    for key in ("nose_stiffness", "contact_damping", "erosion_gap"):
         yield Number(f"numerics.{key}", key, getattr(numerics, key))

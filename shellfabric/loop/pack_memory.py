@@ -18,7 +18,7 @@ from shellfabric.yarns.model import crossings_of
 
 ELEMENT = 385.0  # [bytes] of an element of one ply, with its grid of ghosts
 CROSSING = 1300.0  # [bytes] of a crossing of resolved yarns with its four nodes
-PACK = 640.0  # [bytes] of an element of a pack: 390 to 539, and 96 of the closures of its points where plies touch
+PACK = 740.0  # [bytes] of an element of a pack: 390 to 539, and 192 of the memory of its points where plies touch
 SNAPSHOT = 70.0  # [bytes] of an element in a snapshot: 57 in one ply, 69 in a pack
 CROSSING_SHOWN = (
     310.0  # [bytes] of a crossing in a snapshot: four nodes with six points and a tension each

@@ -188,7 +188,7 @@ def touch(state, const, work):
     """Compute the nose's forces on the membrane, unless they are to be computed after those of the
     other plies, which implicit springs depend on (see `projectile.contact_kernels`): as long as the
     nose pushes. Returns whether they are."""
-    waits = const.point_law.implicit_factor > 0.0 and state.f_contact_nose[2] != 0.0
+    waits = const.point_law.implicit > 0.0 and state.f_contact_nose[2] != 0.0
     if not waits:
         nose_contact(state, const, work)
     return waits

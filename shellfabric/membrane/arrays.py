@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.checks import FloatArray
-from fabrics.ply_laws import packing_stiffness
+from fabrics.ply_laws import half_a_ply, packing_stiffness
 from shellfabric.jit.aligned import aligned_zeros
 from shellfabric.jit.simd import WIDTH
 from shellfabric.membrane import edges, failure, grading
@@ -16,7 +16,7 @@ from shellfabric.membrane.motion_kernels import AT_REST
 from shellfabric.membrane.slots import by_node
 from shellfabric.parts import make_table, parts_of
 from shellfabric.projectile import contact, window_kernels
-from shellfabric.state import Constants, Numbers, State, Surface, Work
+from shellfabric.state import Constants, Numbers, PointLaw, State, Surface, Work
 from shellfabric.surface.nodal_force_kernels import clear_window
 
 _PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
@@ -281,8 +281,18 @@ def _contact(panel, mass):
     if numerics.contact_points is None:
         resolving = np.ceil(max(panel.spacing) / (SPACING * panel.projectile.nose_radius))
         points = max(points, int(min(resolving, MOST_POINTS)))
-    return contact.constants(
-        points, mass, panel.step_of_bound, numerics.penalty, numerics.contact_damping
+    return {"points_per_side": points, "point_law": nose_law(panel, mass / points**2)}
+
+
+def nose_law(panel: PanelGrid, mass: float, *, implicit: bool = False) -> PointLaw:
+    """Compute the law of contact points of the fabric with the nose, which stand for a mass [kg]:
+    half a ply of solid fibre."""
+    numerics = panel.numerics
+    stiffness = numerics.nose_stiffness * half_a_ply(panel.fabric)
+    area = mass / panel.weave.areal_density
+    step = panel.time_step
+    return contact.point_law(
+        mass, stiffness * area, numerics.contact_damping, numerics.cfl, step, implicit=implicit
     )
 
 

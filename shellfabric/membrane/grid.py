@@ -429,8 +429,7 @@ class PanelGrid(PanelSetup):
 
     @property
     def step_of_bound(self) -> float:
-        """[s] the stability bound times `cfl`; what the contact is as stiff as, whatever is taken
-        of it."""
+        """[s] the stability bound times `cfl`."""
         xi = self.numerics.stretch_viscosity
         return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 

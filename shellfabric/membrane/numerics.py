@@ -13,8 +13,7 @@ from fabrics.base.schema import described, key, number, whole
 @dataclass(frozen=True, kw_only=True)
 class NumericsKeys:
     """Numerical parameters that are keys of the table [numerics]; as in `PanelNumbers` a line says all
-    of one. The contact of the nose with the membrane is that of pinned crossovers; on a "pack" the nose
-    presses with the stiffness of half a ply of solid fibre, and the penalty is not read."""
+    of one. The contact of the nose with the membrane is that of pinned crossovers."""
 
     cfl: Annotated[
         float,
@@ -30,18 +29,18 @@ class NumericsKeys:
             "pinned yarns pack",
         ),
     ] = 0.1
-    penalty: Annotated[
+    nose_stiffness: Annotated[
         float,
         key(
             number(
-                "stiffness of the contact between projectile and fabric, in units of nodal mass over the square of "
-                "the time step",
-                0.3,
+                "stiffness of the contact between projectile and fabric over that of half a ply of solid fibre, to "
+                "see what depends on it",
+                2.0,
                 gt=0.0,
             ),
-            "pinned",
+            "pinned pack",
         ),
-    ] = 0.6
+    ] = 1.0
     contact_damping: Annotated[
         float,
         key(
@@ -107,10 +106,8 @@ class Numerics(NumericsKeys):
     stretch_viscosity : damping ratio of the highest mode along a straight yarn, which costs as much
         of the time step. Without it crimped yarns that snap taut ring. In a yarn that stiffens as
         its crimp goes, fronts are shocks, which dissipate whatever the viscosity
-    penalty : stiffness of the contact where it covers an element, in units of nodal mass / dt^2,
-        with the dt that `cfl` would make of the bound (see `time_step`). The critical velocity
-        depends on it, by how deep the rim of the nose presses itself in; at 1 and above yarns
-        bounce off the nose. It is stable to 1.5 at the damping below
+    nose_stiffness : of the contact with the projectile over that of half a ply of solid fibre
+        (`fabrics.ply_laws.half_a_ply`), which does not depend on mesh, step or number of plies
     contact_damping : ratio to critical of that mass on that spring
     contact_points : along each side of a crossover, and at least 2 along that of an element (see
         `contact_kernels`). None takes 8, and more under a sharp nose: as many as put them

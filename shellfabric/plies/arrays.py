@@ -36,7 +36,8 @@ def pack_contact(
     turns : (plies, 2) cosine and sine of the angles from the first frame to those of the plies
     of_points : of `Pressure` what it needs of points, laws and friction: `points_per_side`,
         `first_point`, `closest_a`, `closest_b`, `first_element`, `area_ratio`, `laws`, `law_cell`
-        (`numerics.law_tables`), `resilience`, `share_drag`, `friction`, `stick_damping` and `same_angle`
+        (`numerics.law_tables`), `resilience`, `share_drag`, `friction`, `stick_stiffness`,
+        `stick_damping` and `same_angle`
     """
     plies = len(consts)
     ni = np.array([c.ni for c in consts])

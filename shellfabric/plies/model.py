@@ -36,11 +36,12 @@ from fabrics.base.schema import refuse_unread
 from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
+from shellfabric.contact import friction
 from shellfabric.jit.simd import WIDTH
+from shellfabric.membrane.arrays import nose_law
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.motion_kernels import AT_REST
 from shellfabric.membrane.numerics import NumericsKeys
-from shellfabric.plies import friction
 from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
@@ -104,10 +105,7 @@ class Pack:
         if len({(ply.table.model.cell_formulation, ply.trellis) for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
         if len(self.plies) > 1:
-            words = (
-                "several plies, on which the nose has the stiffness of half a ply of solid fibre"
-            )
-            refuse_unread(NumericsKeys, first.numerics, "pack", words)
+            refuse_unread(NumericsKeys, first.numerics, "pack", "several plies")
         self._join_zones()
         friction.check(self.friction, first.numerics.cfl)
 
@@ -277,11 +275,6 @@ class Pack:
         """[m] mean of plies p and p + 1."""
         return float(np.mean([ply.weave.thickness for ply in self.plies[p : p + 2]]))
 
-    def _firmer(self, ply):
-        """Stiffness of the nose's contact with a ply of the pack, over that of a single ply."""
-        plain = ply.numerics.penalty * ply.weave.areal_density / ply.step_of_bound**2
-        return self.contact.stiffness * 2 * max(law.stiffness for law in self.laws) / plain
-
     @cached_property
     def places(self) -> FloatArray:
         """(plies,) [m] where the middle surfaces stand at rest, the first at 0."""
@@ -293,12 +286,12 @@ class Pack:
             return (self.plies[0].constants(),)
 
         def of(ply):
-            const = self._in_step(ply).constants()
-            law = const.point_law
-            firmer = self._firmer(self._in_step(ply))
+            ply = self._in_step(ply)
+            const = ply.constants()
+            law = nose_law(ply, const.point_law.mass, implicit=True)
             # of the plies' spring, of which the nose's is two in a row
-            drag = self.contact.share_ratio * (0.5 * firmer * law.stiffness * law.mass) ** 0.5
-            law = law._replace(implicit_factor=firmer, share_drag=drag)
+            drag = self.contact.share_ratio * (0.5 * law.stiffness * law.mass) ** 0.5
+            law = law._replace(share_drag=drag)
             return const._replace(dt=self.time_step, point_law=law)
 
         return self._each(of)
@@ -353,6 +346,11 @@ class Pack:
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
         densities = [self._density(p) for p in range(len(self.gaps))]
         laws, law_cell = law_tables(self.laws, smallest, densities, self.contact)
+        factors = [self._in_step(ply).numerics.cfl for ply in self.plies]
+        sticks = [
+            friction.stick(max(factors[p : p + 2]), d * a, self.time_step, self._steepest(p) * a)
+            for p, (d, a) in enumerate(zip(densities, smallest))
+        ]
         feet = [
             np.concatenate([np.ravel(at[axis]) for at in places] + [np.zeros(WIDTH)])
             for axis in (0, 1)
@@ -375,9 +373,8 @@ class Pack:
             resilience=float(self.contact.resilience),
             share_drag=self.contact.share_drag,
             friction=float(self.friction),
-            stick_damping=np.array(
-                [self._stick_damping(d * a) for d, a in zip(densities, smallest)]
-            ),
+            stick_stiffness=np.array([spring for spring, _ in sticks]),
+            stick_damping=np.array([damper for _, damper in sticks]),
             same_angle=np.array([abs(a - b) < 1e-12 for a, b in pairwise(self.angles)]),
         )
 
@@ -390,12 +387,6 @@ class Pack:
         if ply.time_step == self.time_step:
             return ply
         return _with_courant(ply, ply.numerics.cfl * self.time_step / ply.time_step)
-
-    def _stick_damping(self, mass):
-        """[N s/m] of a contact point."""
-        return friction.stick_damping(
-            self._in_step(self.plies[0]).numerics.cfl, mass, self.time_step
-        )
 
     def _first_places(self, p):
         """(along, across) [elements], each (ni, points, points, nj): where the points of ply p lie

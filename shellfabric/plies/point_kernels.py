@@ -136,17 +136,42 @@ def normal_force(pressure, p, area, closures, closing, touching):
 
 
 @kernel(_nrt=False, forceinline=True)
-def friction_damping(pressure, p, area, force, speed, touching):
-    """Return the damping g / |v_t| [N s/m] of a point of ply p that slides, eq. (2).
+def friction_force(pressure, dt, p, area, force, kept, sliding, n, touching):
+    """Return the friction [N] of a point of ply p on the ply before, less its sign; its elastic slip
+    [m] and the energy [J] that is lost in the step: eq. (2). All are 0 unless `touching`.
 
-    force : [N] along the normal; speed : [m/s] along the surface
+    force : [N] along the normal n; kept : [m] elastic slip of the last step; sliding : [m/s] velocity
+    along the surface
     """
-    limit = pressure.friction * force / maximum(speed, _LEAST_SPEED)
-    return where(touching, minimum(limit, pressure.stick_damping[p] * area), 0.0)
+    stiffness = pressure.stick_stiffness[p] * area
+    damping = pressure.stick_damping[p] * area
+    limit = pressure.friction * force
+    # the surface may have turned since the last step
+    before = subtract(kept, scaled(dot(kept, n), n))
+    slip = add(before, scaled(dt, sliding))
+    size = stiffness * sqrt(dot(slip, slip))
+    slip = scaled(minimum(limit / maximum(size, _LEAST_FORCE), 1.0), slip)
+    # the damper has what the spring leaves of the limit, so that it takes energy, whatever the slip
+    square = dot(sliding, sliding)
+    left = maximum(limit - size, 0.0)
+    damping = minimum(damping, left / maximum(sqrt(square), _LEAST_SPEED))
+    pull = add(scaled(stiffness, slip), scaled(damping, sliding))
+    work = 0.5 * stiffness * dot(add(before, slip), sliding) + damping * square
+    # of points that nothing presses on any more the spring is let go
+    work = where(greater(limit, 0.0), work, 0.0)
+    stored = 0.5 * stiffness * (dot(slip, slip) - dot(kept, kept))
+    lost = dt * work - stored
+    return held(touching, pull), held(touching, slip), where(touching, lost, 0.0)
+
+
+@kernel(_nrt=False, forceinline=True)
+def held(which, vector):
+    """Return a vector where `which`, else 0."""
+    x, y, z = vector
+    return where(which, x, 0.0), where(which, y, 0.0), where(which, z, 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)
 def sliding_velocity(v, closing, n):
-    """Return the velocity v less its part along the normal n, and its size [m/s]."""
-    along = subtract(v, scaled(closing, n))
-    return along, sqrt(dot(along, along))
+    """Return the velocity v [m/s] less its part along the normal n."""
+    return subtract(v, scaled(closing, n))

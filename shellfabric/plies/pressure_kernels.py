@@ -5,13 +5,15 @@ point of the surface of a ply behind it that is closest to x, d their distance, 
 of both plies, v the velocity of x over y:
 
     n = (y - x) / d,     f = A max(0, p(t - d) + c n.v)                                 (1)
-    v_t = v - (n.v) n,   g = min(mu f / |v_t|, c_t) v_t                                 (2)
+    v_t = v - (n.v) n,   g = k_t s + c v_t,   |k_t s| <= mu f,   c |v_t| <= mu f - |k_t s|   (2)
 
-with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction, which yields
-at c_t below the limit (`plies.friction`). -f n - g acts on the nodes of the front ply about x,
+with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction: the elastic
+slip s, whose rate is v_t, is what a spring k_t along the surface remembers of a point that sticks,
+and one that slides lets go what is beyond the limit; the damper c, at most c_t, has what the spring
+leaves (`contact.friction`). -f n - g acts on the nodes of the front ply about x,
 f n + g on those of the rear ply about y: the sum vanishes to the last digits. Friction is shared out
 by their weights in x and y, the push f n by limited shares, which call back nodes that run ahead
-(`surface.surface_kernels`). The distance has no sign. So no point has a side, or a past: what keeps plies from passing
+(`surface.surface_kernels`). The distance has no sign. So no point has a side: what keeps plies from passing
 through each other is the guard (`plies.guard_kernels`). A is the area at rest: fabric does not
 contract much below it (`membrane.packing_kernels`).
 
@@ -27,8 +29,9 @@ a point has had since it touched, and rises along it up to d' again:
 
 It is the law drawn together towards d', so that of the energy that closing took the share e comes
 back, whatever the law (`ply_resilience` of a fabric), and plies stay closed by 1 - e of d' without a
-pressure. There the damper is off too. A point that leaves forgets d', as it forgets what it jumped by:
-nothing else is remembered.
+pressure. There the damper is off too. A point that leaves forgets d', as it forgets what it jumped by,
+and its elastic slip: nothing else is remembered. All three are of the points of the front ply,
+wherever on the rear one their closest points are.
 
 Closest points. The search begins at the place of the last step, or of the nearest node, and takes
 Newton's steps. With the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at
@@ -77,7 +80,8 @@ from shellfabric.plies.frame_kernels import (
 )
 from shellfabric.plies.near_kernels import tile_bounds
 from shellfabric.plies.point_kernels import (
-    friction_damping,
+    friction_force,
+    held,
     newton_matrix,
     normal_equations,
     normal_force,
@@ -497,6 +501,7 @@ def push(contact, front, rear, area, n, closure, number):
     front_speeds, front_speed, front_tilt = moving(contact, foot, n)
     rear_speeds, rear_speed, rear_tilt = moving(contact, closest, n)
     closing = front_speed - rear_speed
+    touched = pressure.last_contact_step[number] == contact.step - 1.0
     closures = earned_closure(contact, mean_thickness(contact, p, q), number, closure, closing)
     f, energy, drag = normal_force(pressure, p, area, closures, closing, True)
     force = scaled(f, n)
@@ -510,11 +515,15 @@ def push(contact, front, rear, area, n, closure, number):
     share_out_limited(*rear_nodes, rear_speeds, (force, (1.0, faster, drag)))
     if pressure.friction > 0.0:
         v = subtract(vector_of(contact.v, foot), vector_of(contact.v, closest))
-        sliding, speed = sliding_velocity(v, closing, n)
-        rub = friction_damping(pressure, p, area, f, speed, True)
-        share_out(*front_nodes, scaled(0.0 - rub, sliding))
-        share_out(*rear_nodes, scaled(rub, sliding))
-        pressure.friction_work[p] += contact.dt * rub * speed * speed
+        kept = 0.0, 0.0, 0.0
+        if touched:
+            kept = pressure.slip_x[number], pressure.slip_y[number], pressure.slip_z[number]
+        sliding = sliding_velocity(v, closing, n)
+        pull, slip, lost = friction_force(pressure, contact.dt, p, area, f, kept, sliding, n, True)
+        pressure.slip_x[number], pressure.slip_y[number], pressure.slip_z[number] = slip
+        share_out(*front_nodes, scaled(-1.0, pull))
+        share_out(*rear_nodes, pull)
+        pressure.friction_work[p] += lost
     pressure.spring_energy[p] += energy
     pressure.max_closure[p] = max(pressure.max_closure[p], closures[0])
 
@@ -731,12 +740,17 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     rear_speed = mean_speed8(rear_speeds, za, zb)
     closing = front_speed - rear_speed
     thickness = mean_thickness(contact, p, p + 1)
+    first, _ = points
+    last_step = load(pressure.last_contact_step[0], first)
+    touched = greater(0.5, fabs(last_step - (contact.step - 1.0)))
     closures = earned_closure8(contact, thickness, points, closure, closing, which)
     f, energy, drag = normal_force(pressure, p, area, closures, closing, which)
     pressure.spring_energy[p] += reduce_add(energy)
     most = reduce_max(where(which, closures[0], 0.0))
     pressure.max_closure[p] = max(pressure.max_closure[p], most)
     if not any_lane(greater(f, 0.0)):
+        if pressure.friction > 0.0:
+            pressure.friction_work[p] += release8(pressure, p, area, points, touched, which)
         return
     ahead = pressure.grid_window[p, BEHIND]
     extend_window(ahead, i, i + 3, j, min(j + WIDTH + 2, contact.nj[p] + 2))
@@ -762,11 +776,37 @@ def push8(contact, front, closest, area, n, closure, touching, points):
     if pressure.friction > 0.0:
         v_p = point_vector8(contact.v, nodes, wa, wb)
         v = subtract(v_p, vector_at8(contact.v, (K, S, tall), za, zb))
-        sliding, speed = sliding_velocity(v, closing, n)
-        rub = friction_damping(pressure, p, area, f, speed, which)
-        pressure.friction_work[p] += contact.dt * reduce_add(rub * speed * speed)
+        sliding = sliding_velocity(v, closing, n)
+        kept = held(touched, slip8(pressure, first))
+        pull, slip, lost = friction_force(pressure, contact.dt, p, area, f, kept, sliding, n, which)
+        store_where(pressure.slip_x[0], points, which, slip[0])
+        store_where(pressure.slip_y[0], points, which, slip[1])
+        store_where(pressure.slip_z[0], points, which, slip[2])
+        pressure.friction_work[p] += reduce_add(lost)
         own = (wa[0], wa[1], wa[2], 0.0), (wb[0], wb[1], wb[2], 0.0)
-        pull = scaled(rub, sliding)
         for c in range(3):
             scatter_to_points8(front_force[c], at, 0.0 - pull[c], own)
             scatter8(rear_force[c], behind_at, pull[c], (za, zb))
+
+
+@kernel(_nrt=False, forceinline=True)
+def slip8(pressure, first):
+    """Return the elastic slips [m] on the next ply of eight points from number `first` on."""
+    return (
+        load(pressure.slip_x[0], first),
+        load(pressure.slip_y[0], first),
+        load(pressure.slip_z[0], first),
+    )
+
+
+@kernel(_nrt=False, forceinline=True)
+def release8(pressure, p, area, points, touched, which):
+    """Let the springs of those of eight points that are `which` go, as nothing presses any more, and
+    return the energy [J] of those that had `touched` a step ago."""
+    first, _ = points
+    kept = held(which, held(touched, slip8(pressure, first)))
+    none = broadcast(0.0)
+    store_where(pressure.slip_x[0], points, which, none)
+    store_where(pressure.slip_y[0], points, which, none)
+    store_where(pressure.slip_z[0], points, which, none)
+    return 0.5 * pressure.stick_stiffness[p] * reduce_add(area * dot(kept, kept))

@@ -128,6 +128,14 @@ class Pressure(Row):
         kept=True,
     )
     last_contact_step = array("4, points + 8", "-", "step in which it last touched", kept=True)
+    slip_x = array(
+        "4, points + 8",
+        "m",
+        "elastic slip of a point that sticks, along the first axis",
+        kept=True,
+    )
+    slip_y = array("4, points + 8", "m", "the same along the second axis", kept=True)
+    slip_z = array("4, points + 8", "m", "the same along the third axis", kept=True)
     first_element = array(
         "plies int64", "-", "number of the first element of each ply but the last, in `area_ratio`"
     )
@@ -147,9 +155,10 @@ class Pressure(Row):
     resilience = number("-", "share of the energy of a closure that comes back")
     share_drag = number("-", "D of limited shares over the damping of a point; 0: plain shares")
     friction = number("-", "Coulomb friction coefficient between plies")
-    stick_damping = array(
-        "plies - 1", "N s/m", "damping of a contact point below the limit of friction"
+    stick_stiffness = array(
+        "plies - 1", "N/m", "stiffness along the surface of a contact point that sticks"
     )
+    stick_damping = array("plies - 1", "N s/m", "its damping there")
     same_angle = array("plies - 1 boolean", "-", "whether a ply and the next lie at one angle")
     lane_numbers = array("8", "-", "0, 1, ..., 7")
     grid_force = array(
@@ -177,7 +186,9 @@ class Pressure(Row):
         "plies", "J", "in the springs of the points of each ply on plies behind it, now", kept=True
     )
     max_closure = array("plies", "m", "largest closure of these points so far", kept=True)
-    friction_work = array("plies", "J", "work of the friction of these points so far", kept=True)
+    friction_work = array(
+        "plies", "J", "energy lost by the friction of these points so far", kept=True
+    )
     lost_energy = array("plies", "J", "of springs whose element was dropped, so far", kept=True)
     work = array("plies", "J", "work that the contact forces have taken from each ply", kept=True)
 

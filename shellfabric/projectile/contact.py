@@ -7,35 +7,45 @@ from typing import Any
 
 import numpy as np
 
+from shellfabric.contact import friction
 from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels
 from shellfabric.state import PointLaw, Scratch
 
+# [mass / dt^2] most stiffness of an explicit contact: twice of it is stable with the usual damping, and yarns
+# bounce off a nose from 1.5 times on (docs/reports/numerics.md)
+MOST_EXPLICIT = 0.6
 
-def constants(
-    points: int, mass: float, dt: float, penalty: float, damping: float
-) -> dict[str, Any]:
-    """Compute the constants of the points, by the names that the kernels know; an explicit spring
-    (`implicit_factor` 0).
+
+def point_law(
+    mass: float, stiffness: float, damping: float, cfl: float, dt: float, *, implicit: bool = False
+) -> PointLaw:
+    """Compute the law of a contact point with the projectile.
+
+    An explicit spring is no stiffer than the step bears, which only meshes of one or two elements a
+    crossover feel; an implicit one may have any stiffness.
 
     Parameters
     ----------
-    points : along each side of an element
-    mass : [kg] of an element
-    dt : [s] time step that the stiffness is a matter of
-    penalty : stiffness of an element's points in units of mass / dt^2
+    mass : [kg] of the fabric at the point
+    stiffness : [N/m] of the point
     damping : ratio to critical of that mass on that spring
+    cfl : [-] Courant factor of the fabric at this step
+    dt : [s] time step
+    implicit : of a ply of a pack, which other plies press on besides
     """
-    return {
-        "points_per_side": points,
-        "point_law": PointLaw(
-            stiffness=penalty * mass / points**2 / dt**2,
-            damping=2 * damping * penalty**0.5 * mass / points**2 / dt,
-            mass=mass / points**2,
-            implicit_factor=0.0,
-            share_drag=0.0,
-        ),
-    }
+    if not implicit:
+        stiffness = min(stiffness, MOST_EXPLICIT * mass / dt**2)
+    stick_stiffness, stick_damping = friction.stick(cfl, mass, dt, stiffness, room=2.0)
+    return PointLaw(
+        stiffness=stiffness,
+        damping=2 * damping * (stiffness * mass) ** 0.5,
+        mass=mass,
+        implicit=float(implicit),
+        share_drag=0.0,
+        stick_stiffness=stick_stiffness,
+        stick_damping=stick_damping,
+    )
 
 
 def contact_state(near: Sequence[int], points: int, friction: float) -> dict[str, Any]:

@@ -23,8 +23,6 @@ The largest eigenvalue of m A is 1 (Perron); up to 4/3 is stable for any k. Deri
 surface is smooth: docs/theory-panel.md, "Contact with the projectile".
 """
 
-import math
-
 import numpy as np
 
 from shellfabric.contact import friction_kernels, normal_kernels
@@ -288,7 +286,7 @@ def touch_together(state, const, points, whole, work):
     v = point_vector8(surface.v, nodes, wa, wb)
     store_points(work.place, x)
     store_points(work.velocity, subtract(v, work.nose_velocity))
-    if const.point_law.implicit_factor > 0.0:
+    if const.point_law.implicit > 0.0:
         store_points(work.dv_other, point_vector8(state.dv_other, nodes, wa, wb))
         store_points(work.dv_contact, point_vector8(state.dv_contact, nodes, wa, wb))
     for lane in range(WIDTH):
@@ -332,7 +330,7 @@ def touch_alone(state, const, i, j, number, lane, work):
     store_point(work.place, lane, x)
     v = subtract(vector_of(surface.v, foot), work.nose_velocity)
     store_point(work.velocity, lane, v)
-    if const.point_law.implicit_factor > 0.0:
+    if const.point_law.implicit > 0.0:
         store_point(work.dv_other, lane, vector_of(state.dv_other, foot))
         store_point(work.dv_contact, lane, vector_of(state.dv_contact, foot))
     contact_point(state, const, i, j, number, lane, work)
@@ -419,16 +417,13 @@ def contact_point(state, const, i, j, number, lane, work):
     push = 0.0
     spring = 0.0
     if depth < 0.0:
-        if law.implicit_factor > 0.0:
-            # the damper keeps its ratio to critical
-            hard = law.implicit_factor * stiffness
-            drag = math.sqrt(law.implicit_factor) * damping
+        if law.implicit > 0.0:
             away = dot(normal, add(v, column(work.dv_other, 0, lane)))
             gave = dot(normal, column(work.dv_contact, 0, lane))
             push = normal_kernels.implicit_penalty_force(
-                const, (hard, drag), (depth, away), (before, gave), state.force_scale
+                const, (stiffness, damping), (depth, away), (before, gave), state.force_scale
             )
-            spring = -0.5 * depth * min(push, -hard * depth)
+            spring = -0.5 * depth * min(push, -stiffness * depth)
         else:
             # eq. (1)
             held, spring = normal_kernels.spring(stiffness, -depth)
@@ -448,8 +443,9 @@ def contact_point(state, const, i, j, number, lane, work):
         slip = state.friction_slip[e, number]
         pull = state.friction_force[e, number]
         limit = const.friction * push
+        stick = part * law.stick_stiffness, part * law.stick_damping
         rub, rubbed, held = friction_kernels.friction_force(
-            slip, pull, limit, (stiffness, damping), const.dt, normal, v
+            slip, pull, limit, stick, const.dt, normal, v
         )
         state.nose_friction_work += rubbed
         state.friction_spring_energy += held

@@ -207,7 +207,11 @@ def nose(implicit=False, elements=1, **shape):
         const = panel.constants()
         flat = rest(panel)
         tip = panel.state(1.0).projectile_position
-        law = const.point_law._replace(implicit_factor=16.0 if implicit else 0.0)
+        law = const.point_law._replace(implicit=0.0)
+        if implicit:
+            law = law._replace(
+                implicit=1.0, stiffness=16.0 * law.stiffness, damping=4.0 * law.damping
+            )
         x = [
             flat + at_random(flat, panel.mirrors, 0.05 * const.dx, seed),
             tip + 0.4e-3 * panel.shot.flight,

@@ -309,16 +309,11 @@ def rough(history: np.ndarray, until: float = 100e-6) -> dict[str, float]:
     }
 
 
-def stepped(
-    *, cfl: float, neighbours: int = 1, penalty: float, soft: float, **keywords: Any
-) -> Values:
-    """Fire a shot with a time step over its bound, and a contact whose stiffness does not depend on
-    it.
+def stepped(*, cfl: float, neighbours: int = 1, **keywords: Any) -> Values:
+    """Fire a shot with a time step over its bound.
 
-    The contact is given in units of nodal mass / dt^2: it would be four times as stiff at half the step, which moves
-    peaks by some per cent and has nothing to do with the step. Here it is held, at the stiffness that `penalty` has at
-    the Courant factor `soft`. Without viscosity crimped yarns ring, and their peaks are an extreme of chance: there an
-    answer is the median over some `neighbours`, steps each 1 % of the longest apart, which is the one that counts.
+    Without viscosity crimped yarns ring, and their peaks are an extreme of chance: there an answer is the median over
+    some `neighbours`, steps each 1 % of the longest apart, which is the one that counts.
 
     Raises
     ------
@@ -326,10 +321,7 @@ def stepped(
     """
     own = dict(keywords.pop("unchecked", {}))
     steps = [cfl * (1 - 0.01 * n) for n in range(neighbours)]
-    runs = [
-        shot(unchecked=own | {"cfl": dt, "penalty": penalty * (dt / soft) ** 2}, **keywords)
-        for dt in steps
-    ]
+    runs = [shot(unchecked=own | {"cfl": dt}, **keywords) for dt in steps]
     shortened = [run["step_factor"] for run in runs if run["step_factor"] < 1.0]
     if shortened:
         # its answer is of another step than the one that is asked about

@@ -25,16 +25,39 @@ def test_taut_cloth_is_distinguished_from_crimped():
 
 
 @pytest.mark.parametrize(
-    "changes", [{"cell_formulation": "equilibrium"}, {"numerics": Numerics(stretch_viscosity=0.0)}]
+    "changes",
+    [
+        {"cell_formulation": "equilibrium"},
+        {"numerics": Numerics(stretch_viscosity=0.0)},
+        {"numerics": Numerics(cfl=0.45)},
+        {"elements_per_crossover": 6},
+    ],
+    ids=str,
 )
-def test_the_contact_is_no_stiffer_for_a_shorter_step(changes):
-    """A shorter step is taken than of the usual panel, whose contact has the stiffness of its own."""
-    panel = make_panel(**changes)
-    usual = make_panel()
+def test_the_nose_presses_on_half_a_ply_of_solid_fibre_whatever_the_step(changes):
+    """On every mesh: both families in series, each E_c times its fibre's density over its mass, on half of it."""
+    panel = make_panel(**{"elements_per_crossover": 4} | changes)
+    usual = make_panel(elements_per_crossover=4)
     const = panel.constants()
     other = usual.constants()
-    assert const.dt < 0.99 * panel.step_of_bound
-    per_step = (usual.step_of_bound / panel.step_of_bound) ** 2
-    assert const.point_law.stiffness == pytest.approx(
-        per_step * other.point_law.stiffness, rel=1e-12
-    )
+    assert const.dt < 0.99 * other.dt
+    weave = panel.weave
+    mass_of_families = [
+        length * yarn.linear_density / weave.cell_area
+        for length, yarn in zip(weave.S0, weave.yarns)
+    ]
+    E_c = panel.fabric.solid_laws[0].E_c
+    give = sum(mass / yarn.fibre_density for mass, yarn in zip(mass_of_families, weave.yarns)) / E_c
+    for one in (const, other):
+        area = one.dx * one.dy / one.points_per_side**2
+        assert one.point_law.stiffness / area == pytest.approx(2 / give, rel=1e-9)
+        per_area = one.point_law.damping / area
+        assert per_area == pytest.approx((2 / give * weave.areal_density) ** 0.5, rel=1e-9)
+
+
+def test_the_contact_is_no_stiffer_than_the_step_bears():
+    usual = make_panel(elements_per_crossover=4).constants()
+    stiff = make_panel(elements_per_crossover=4, numerics=Numerics(nose_stiffness=1e3)).constants()
+    law = stiff.point_law
+    assert law.stiffness > usual.point_law.stiffness
+    assert law.stiffness * stiff.dt**2 / law.mass == pytest.approx(0.6)

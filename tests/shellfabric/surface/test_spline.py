@@ -31,14 +31,15 @@ def shaken(panel, firm):
     set_nodal(state.v, rng.normal(size=size))
     state.projectile_position[2] += 0.4e-3
     if not firm:
-        return state, const
+        return state, const._replace(point_law=const.point_law._replace(implicit=0.0))
     due = 3.0 * rng.normal(size=size)
     given = 5.0 * rng.normal(size=size)
     state.last_contact_force[:] = rng.random(state.last_contact_force.shape)
     state.projectile_velocity[:] = 0.2, -0.1, 0.4
     law = const.point_law
-    drag = 3.0 * (8.0 * law.stiffness * law.mass) ** 0.5
-    law = law._replace(implicit_factor=16.0, share_drag=drag)
+    law = law._replace(stiffness=16.0 * law.stiffness, damping=4.0 * law.damping)
+    drag = 3.0 * (0.5 * law.stiffness * law.mass) ** 0.5
+    law = law._replace(implicit=1.0, share_drag=drag)
     return foresee(state, const, due, given), const._replace(point_law=law)
 
 
@@ -124,13 +125,12 @@ def plain_contact(panel, state, const):
     spring = 0.0
     x = rest(panel) + vectors(state.u, const) - state.projectile_position
     v = vectors(state.v, const) - state.projectile_velocity
-    firm = const.point_law.implicit_factor
+    firm = const.point_law.implicit
     due = 0 * v
     pushed = 0 * v
     if firm:
         due = on_grid(const, state.dv_other)
         pushed = on_grid(const, state.dv_contact)
-    hard = firm or 1.0
     i_near = const.window_limits[0]
     columns = const.window_limits[3] - const.window_limits[2]
     i0, i1, j0, j1 = state.contact_window
@@ -154,8 +154,8 @@ def plain_contact(panel, state, const):
                     ]
                     part = np.mean(near)
                     normal = np.array(normal) @ const.frame
-                    k = part * hard * const.point_law.stiffness
-                    c = part * hard**0.5 * const.point_law.damping
+                    k = part * const.point_law.stiffness
+                    c = part * const.point_law.damping
                     if firm:
                         c += k * const.dt
                         e = (i - i_near) * columns + j - const.window_limits[2]

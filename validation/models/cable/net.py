@@ -103,8 +103,13 @@ class CableNet:
         stiffness = [yarn.EA * count / S0 for yarn, count, S0 in bars]
         mass = weave.areal_density * const.dx * const.dy
         self.dt, self.cv = time_step(2 * (sum(stiffness) / mass) ** 0.5, cfl, viscosity)
-        law = contact.constants(const.points_per_side, mass, self.dt, penalty, CONTACT_DAMPING)
-        self.const = const._replace(dt=self.dt, **law)
+        shared = mass / const.points_per_side**2
+        law = contact.point_law(
+            shared, penalty * shared / self.dt**2, CONTACT_DAMPING, cfl, self.dt, implicit=True
+        )
+        # stiffer than the shell's contact may be, whose step is longer
+        law = law._replace(implicit=0.0)
+        self.const = const._replace(dt=self.dt, point_law=law)
         self.state = panel.state(setup.strike_velocity)
         shape = (const.ni + 1, const.row_stride)
         slots = self.state.mass.size
