@@ -47,7 +47,6 @@ class ImpactData:
     checks : tuple of Indicator
     steps, wall_time, ns_per_element_step : cost of the run, [s] and [ns]
     step_factor : [-] 0.7 or 0.5 of a run that was made again with a shorter step, else 1
-    widened : why a run was made again with all yarns resolved, else ""
     """
 
     outcome: str
@@ -71,7 +70,6 @@ class ImpactData:
     wall_time: float
     ns_per_element_step: float
     step_factor: float = 1.0
-    widened: str = ""
 
     @property
     def strike_energy(self) -> float:

@@ -3,6 +3,7 @@ object that has the numbers. Report, forecast and summary ask here."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -142,9 +143,11 @@ def _named(of, values):
 def _of_crossovers(setup):
     """Whether yarns are pinned at their crossovers or resolved, and what that means for the result."""
     if setup.crossovers is not None:
-        sentences = list(setup.crossovers.assumptions)
+        panel = setup.plain_panels()[0]
+        zone = replace(panel.resolved, half_width=panel.zone_width)
+        sentences = list(zone.assumptions)
         alike = all(fabric.weave.pattern.has_like_crossings for fabric in setup.fabrics)
-        if not alike and setup.crossovers.width < inf:
+        if not alike and zone.width < inf:
             sentences.append(MEAN_CROSSING)
         return sentences
     sentences = list(PINNED)

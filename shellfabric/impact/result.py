@@ -87,14 +87,14 @@ class ImpactResult(ImpactData):
 
 
 def collect_result(
-    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0, widened: str = ""
+    setup: ImpactSetup, solver: PackSolver, step_factor: float = 1.0
 ) -> ImpactResult:
     """Gather what a run has recorded.
 
     Parameters
     ----------
-    setup : as it was run
-    step_factor, widened : of `impact.attempts.Attempt`
+    setup : that was fired
+    step_factor : of `impact.attempts.Attempt`
     """
     panels = solver.pack.plies
     elements = sum(panel.elements for panel in panels)
@@ -143,7 +143,6 @@ def collect_result(
             [(state.failed_segments, state.loads_at_failure) for state in solver.states]
         ),
         step_factor=step_factor,
-        widened=widened,
     )
 
 

@@ -1,5 +1,5 @@
 """Run of an impact: its solver with its hooks, from the start or from a checkpoint, and again where the first
-run asks for a shorter step or a wider zone of resolved yarns (`attempts`)."""
+run asks for a shorter step (`attempts`)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from fabrics.base.checks import FilePath, positive
 from fabrics.base.errors import InputError, UnstableError
 from shellfabric.cell.model import CellTable
-from shellfabric.impact.attempts import Attempt, RimWatch, Superseded
+from shellfabric.impact.attempts import Attempt
 from shellfabric.impact.result import ImpactResult, collect_result
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop import checkpoint, histories
@@ -79,8 +79,7 @@ def run_impact(
     table: CellTable | None = None,
     target: Pack | None = None,
 ) -> ImpactResult:
-    """Run an impact, and again if a run loses too much to the length of its step, or if the default zone of
-    resolved yarns was too small (`attempts`).
+    """Run an impact, and again if a run loses too much to the length of its step (`attempts`).
 
     Parameters
     ----------
@@ -105,11 +104,8 @@ def run_impact(
         solver = _make_solver(setup, made)
     kept = tuple(hooks)
     while True:
-        try:
-            result = _run_recorded(setup, solver, attempt, (RimWatch(attempt), *kept))
-            following = attempt.follow(solver)
-        except Superseded as ended:
-            following = ended.following
+        result = _run_recorded(setup, solver, attempt, kept)
+        following = attempt.follow(solver)
         if following is None:
             return result
         attempt = following
@@ -146,8 +142,9 @@ def _run_recorded(setup, solver, attempt, hooks):
         own.append(histories.Recorder(solver.pack.plies, setup.history))
     if setup.snapshot_interval is not None:
         own.append(Snapshots(setup.snapshot_interval))
-    of_run = attempt.setup_of(setup), solver, attempt.step_factor, attempt.widened
-    return run_to_end(solver, (*own, *hooks), lambda: collect_result(*of_run))
+    return run_to_end(
+        solver, (*own, *hooks), lambda: collect_result(setup, solver, attempt.step_factor)
+    )
 
 
 def run_impact_or_partial(setup: ImpactSetup, **others: Any) -> tuple[ImpactResult, str]:

@@ -359,6 +359,13 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
             return self._given_mesh
         return self._grade()
 
+    @cached_property
+    def zone(self) -> YarnZone | None:
+        """The zone of resolved yarns with its size; None of pinned yarns."""
+        if self.crossovers is None:
+            return None
+        return self.crossovers.sized(self.plies, float(np.max(self.opening)))
+
     @property
     def stops_a_bullet(self) -> bool:
         """Whether a pack is struck by a bullet of metal."""
@@ -569,7 +576,7 @@ class ImpactSetup(PanelSetup, CellNumbers, PackNumbers):
             **changes,
         }
         if self.crossovers is not None:
-            return YarnPanel(**own, resolved=self.crossovers)
+            return YarnPanel(**own, resolved=self.zone)
         return Panel(**own)
 
     def check_contact_points(self) -> None:

@@ -232,12 +232,6 @@ class PackSolver(ExplicitSolver):
         return float(np.abs(both).max() / self.strike_energy)
 
     @property
-    def slip_at_rim(self) -> float:
-        """[crossings] slip of a whole yarn beside the rim of its zone, of all plies."""
-        zones = (part for parts in self.parts for part in parts if part.name == "yarns")
-        return max((zone.slip_at_rim for zone in zones), default=0.0)
-
-    @property
     def part_indicators(self) -> tuple[Indicator, ...]:
         """Those of the parts."""
         found = list(quality.worst(part.indicators() for part, _ in self._all_parts()))

@@ -127,29 +127,6 @@ class Pack:
         shorter = self._each(lambda ply: _with_courant(ply, factor * ply.numerics.cfl))
         return replace(self, plies=shorter)
 
-    @property
-    def default_zone(self) -> float | None:
-        """[m] half width of the default zone of resolved yarns; None of pinned ones, of a zone that was given,
-        and where the whole panel is resolved."""
-        first = self.plies[0]
-        if not isinstance(first, YarnPanel):
-            return None
-        zone = first.resolved
-        if zone.half_width is not None or zone.width == inf:
-            return None
-        return zone.width
-
-    def with_all_yarns(self) -> Pack:
-        """Return the pack with all yarns of each ply resolved.
-
-        Raises
-        ------
-        InputError : as `YarnPanel`
-        """
-        return replace(
-            self, plies=self._each(lambda ply: replace(ply, resolved=ply.resolved.whole))
-        )
-
     @classmethod
     def stacked(
         cls,

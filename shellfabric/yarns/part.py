@@ -19,7 +19,7 @@ from shellfabric.parts import Part
 from shellfabric.state import Constants, State
 from shellfabric.yarns import coupling_kernels
 from shellfabric.yarns.drawn import draw_yarns
-from shellfabric.yarns.patch import RIM_ROWS, kinetic_energy, slipped
+from shellfabric.yarns.patch import kinetic_energy
 from shellfabric.yarns.state import Zone
 
 # energies of a zone that a ply without one does not have
@@ -129,27 +129,18 @@ class ResolvedYarns(Part):
         )
 
     def indicators(self) -> tuple[Indicator, ...]:
-        """Return the slip of the whole yarns beside the rim of their zone and the yarns that are cut
-        beyond it, unless the zone is the whole panel; crossings whose yarns have changed sides, and the
-        nodes past the next ply, see Part."""
+        """Return the share of the cut yarns that were cut beyond the zone, unless it is the whole panel;
+        crossings whose yarns have changed sides, and the nodes past the next ply, see Part."""
         checks = []
-        if self.panel.resolved.width < inf:
-            checks.append(quality.indicator("slip at the rim", self.slip_at_rim))
-            checks.append(quality.indicator("cut outside the zone", self.cut_outside()))
-        width = f"panel.zone is {1e3 * self.panel.resolved.width:g} mm"
-        checks = [replace(found, meaning=f"{found.meaning}; {width}") for found in checks]
+        if self.panel.zone_width < inf:
+            found = quality.indicator("cut outside the zone", self.cut_outside())
+            width = f"panel.zone is {1e3 * self.panel.zone_width:.3g} mm"
+            checks.append(replace(found, meaning=f"{found.meaning}; {width}"))
         checks.append(quality.indicator("yarns that changed sides", self.zone.tangled))
         if self.panel.among_plies:
             share = self.zone.most_past / np.count_nonzero(self.zone.node_share)
             checks.append(quality.indicator("yarns past the next ply", share))
         return tuple(checks)
-
-    @property
-    def slip_at_rim(self) -> float:
-        """[crossings] `slip_at_rim` of the zone; 0 where it is the whole panel."""
-        if self.panel.resolved.width == inf:
-            return 0.0
-        return slip_at_rim(self.zone, self.panel.patch.rest[0])
 
     def cut_outside(self) -> float:
         """Return the share [-] of the cut yarns of the ply that are whole in the zone: pinned yarns
@@ -166,18 +157,6 @@ class ResolvedYarns(Part):
             cut[low:last][self.zone.torn[family, g : g + last - low]] = False
             outside += np.count_nonzero(cut)
         return outside / max(cut_yarns, 1)
-
-
-def slip_at_rim(zone: Zone, rest: FloatArray) -> float:
-    """Find the longest way [crossings] of a whole yarn through a crossing of the rows beside the
-    pinned ones, from the indices at `rest`. A cut yarn is drawn out at any width of the zone."""
-    row = RIM_ROWS
-    beside: list[Any] = [-row - 1, (slice(None), -row - 1)]
-    if zone.mirror_first[1] < 0:
-        beside.append(row)
-    if zone.mirror_first[0] < 0:
-        beside.append((slice(None), row))
-    return float(max(slipped(zone, rest, at).max() for at in beside))
 
 
 def shadow_slots(zone: Zone) -> IntArray:

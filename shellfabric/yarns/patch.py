@@ -593,17 +593,3 @@ def kinetic_energy(zone: Zone) -> float:
     after = zone.v + zone.dt * zone.inverse_mass * zone.f
     own = zone.inverse_mass > 0
     return 0.5 * float((zone.node_share * zone.mass * zone.v * after)[:, own].sum())
-
-
-def slipped(zone: Zone, rest: FloatArray, at: Any = ...) -> FloatArray:
-    """Compute the larger slip (warp yarns, weft yarns) [crossings] of the whole yarns through a
-    crossing, of all or of those `at` an index; 0 where both are cut.
-
-    Parameters
-    ----------
-    rest : (warp yarns, weft yarns, 2) indices of the crossings at rest (`YarnPatch.rest`)
-    """
-    warp, weft = zone.yarns
-    torn = np.broadcast_arrays(zone.torn[0, :warp, None], zone.torn[1, None, :weft])
-    ways = [np.where(torn[k][at], 0.0, zone.place[..., k][at] - rest[..., k][at]) for k in (0, 1)]
-    return 0.5 * np.maximum(*np.abs(ways))

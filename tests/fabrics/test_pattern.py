@@ -353,7 +353,8 @@ def test_a_run_says_what_its_model_does_not_decide_of_a_weave(own):
         ("satin 5", YarnZone(), (mean,)),
         ("satin 5", YarnZone().whole, ()),
     ):
-        setup = ImpactSetup(catalogue.load(own(weave)), 90.0, crossovers=zone)
+        whole = ImpactSetup(catalogue.load(own(weave)), 90.0, symmetry="whole")
+        setup = replace(whole, crossovers=zone)
         text = str(in_words.list_assumptions(setup))
         assert tuple(words for words in (floats, mean) if words in text) == said
 

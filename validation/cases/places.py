@@ -34,8 +34,7 @@ def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywo
     Returns
     -------
     dict with velocity, left [m/s]; u, v [spacings] of the place along warp and weft; yarns, nose, the
-    frictions; outcome; doubts; error [-] of the energy; widened, whether it was run again with all yarns
-    resolved; cpu_s
+    frictions; outcome; doubts; error [-] of the energy; cpu_s
     """
     sequence = qmc.Sobol(5, seed=seed)
     # it refuses to go on by none
@@ -62,7 +61,6 @@ def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywo
         "outcome": row["outcome"],
         "doubts": ", ".join(find_doubts(row)),
         "error": row["energy_error_max"],
-        "widened": "widened" in row,
         "cpu_s": time.process_time() - began,
     }
 

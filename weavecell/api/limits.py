@@ -469,8 +469,6 @@ class CriticalVelocityResult(StudyResult):
             way = option("v50_shots", "8")
             scatter = "the bracket is no error: shots of a pack scatter by some 2 %"
             lines.append(f"{scatter}; {way} gives V50 with its interval")
-        if limit.widened:
-            lines.append(limit.widened)
         lines += self._doubt()
         fit = self.lambert_jonas
         rms = ""

@@ -141,8 +141,6 @@ class RunSize(_Size):
     steps, time_step : number at most, and length [s]
     memory : [bytes]
     cpu_time : (lowest, highest) [s] if the run goes on to its end time
-    again : [s] highest, of the runs that may follow where yarns slip: with a shorter step, with all
-        yarns of the panel resolved (`Attempt.list_series`); 0 of pinned yarns
     notes : lines on resolved yarns: what is assumed of them, and why they are resolved
     of_fabrics : lines that name what is assumed of the fabrics
     foreseen : lines on the checks that will not be ok if yarns fail (`quality.foresee`)
@@ -172,7 +170,6 @@ class RunSize(_Size):
     said: Wording = NOTHING
     of_bullet: tuple[str, ...] = ()
     beside: StudySize | None = None
-    again: float = 0.0
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -204,7 +201,6 @@ class RunSize(_Size):
         InputError : values that do not go together
         """
         from shellfabric.block.coupling import bricks_of
-        from shellfabric.impact.attempts import Attempt
         from shellfabric.impact.run import check_impact
         from shellfabric.loop import pack_memory as memory
         from weavecell.studies import model_choice
@@ -213,16 +209,9 @@ class RunSize(_Size):
         bricks = bricks_of(pack.plies[0])
         steps = ceil(setup.end_time / pack.time_step)
         low, high = _forecast_cpu_time(setup, pack)
-        again = 0.0
         needed = memory.needed(pack.plies, setup.snapshots, written=written)
         if setup.crossovers is not None:
-            series = Attempt(pack).list_series()
-            wider = next((runs[-1].at_full_step for runs in series if runs[-1].widened), None)
-            of_wider = ()
-            if wider is not None:
-                of_wider = _forecast_all_yarns(pack, wider, steps)
-            notes = (*setup.crossovers.assumed_lines, *notes, *of_wider)
-            again = _forecast_again(setup, series, high)
+            notes = (*setup.crossovers.assumed_lines, *notes)
         return cls(
             title,
             pack.elements,
@@ -237,7 +226,6 @@ class RunSize(_Size):
             model_choice.advise(setup, pack),
             Wording.of_setup(setup, scene, velocity=velocity, drawn=drawn),
             _tell_bullet(setup, pack, (low, high)),
-            again=again,
         )
 
     def summary(self) -> dict[str, Any]:
@@ -336,32 +324,6 @@ def _forecast_cpu_time(setup, pack):
     return ceil(setup.end_time / pack.time_step) * numbers @ costs
 
 
-def _forecast_again(setup, series, high):
-    """Return the highest CPU time [s] of the runs that may follow a first one of `high`; a shorter step
-    takes as much more."""
-    of_packs = {id(series[0][0].at_full_step): high}
-    for *_, last in series:
-        pack = last.at_full_step
-        if id(pack) not in of_packs:
-            of_packs[id(pack)] = _forecast_cpu_time(setup, pack)[1]
-    return max(
-        sum(of_packs[id(run.at_full_step)] / run.step_factor for run in runs[1:]) for runs in series
-    )
-
-
-def _forecast_all_yarns(pack, wider, steps):
-    """Return the line on the run that follows, at the Pack `wider`, if the default zone of resolved
-    yarns proves too small."""
-    from shellfabric.yarns.model import crossings_of
-
-    crossings = sum(map(crossings_of, wider.plies))
-    low, high = (steps * crossings * cost for cost in OF_A_CROSSING)
-    zone = f"a zone of {1e3 * pack.default_zone:g} mm"
-    return (
-        f"if {zone} proves too small, another {_say_cost((low, high))} with all yarns resolved",
-    )
-
-
 def _foresee(setup, pack):
     """Lines on the checks of a run that are foreseen to be doubtful."""
     from shellfabric.membrane import quality
@@ -429,9 +391,7 @@ class StudySize(_Size):
         words: dict[str, Any] = {"scene": scene, "velocity": velocity, "drawn": drawn}
         of_a_run = RunSize.estimate(setup, title, **words)
         of_a_shot = crossing / setup.end_time
-        # each shot may be fired again
-        first, last = np.add(of_a_run.cpu_time, (0.0, of_a_run.again))
-        low, high = shots * of_a_shot * np.multiply((first, last), DURATION)
+        low, high = shots * of_a_shot * np.multiply(of_a_run.cpu_time, DURATION)
         told: dict[str, Any] = {"foreseen": of_a_run.foreseen, "said": of_a_run.said}
         return cls(title, shots, searches, (low, high), **told)
 

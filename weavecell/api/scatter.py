@@ -295,8 +295,6 @@ class V50Result(StudyResult):
         columns = dict(super()._columns()) | list_drawn(self.study.shots)
         if self.target.setup.crossovers is None:  # only those of resolved yarns are drawn
             del columns["impact_point_x_m"], columns["impact_point_y_m"]
-        if not any(columns["widened"]):
-            del columns["widened"]
         return columns
 
     @property
@@ -381,8 +379,6 @@ class V50Result(StudyResult):
             f"{100 * scatter.modulus:g} %, of either crimp {100 * scatter.crimp:g} %, from panel to panel.",
         ]
         remarks += [f"Without an outcome: {failure}." for failure in study.failures]
-        if study.widened:
-            remarks.append(f"{study.widened}.")
         if study.doubtful:
             counts = Counter(name for shot in shots for name in shot.doubtful)
             names = ", ".join(f"{name} in {count}" for name, count in counts.most_common())

@@ -326,8 +326,7 @@ class Shooting:
 
     def _result(self, shot, target, **more):
         message = str(shot.failure or "")
-        used = target.as_run(shot.result.widened)
-        return shot_of(used, shot.result, message, target=used, **more), shot.failure
+        return shot_of(target, shot.result, message, target=target, **more), shot.failure
 
     def shoot(self, setup: ImpactSetup, table: CellTable | None = None, mesh: str = "") -> Shot:
         """Fire at a set-up on one mesh.
@@ -523,7 +522,6 @@ class ShotResult(ImpactRecord, Result):
         InputError : no histories.h5 of an impact
         """
         read = cast(ShotResult, found.read_impact(cls))
-        target = target.as_run(read.widened)
         result = replace(
             read,
             said=found.read_answer(),
@@ -582,13 +580,13 @@ class ShotResult(ImpactRecord, Result):
 
     @property
     def _run_words(self):
-        """What the run took of all that nobody gave, and why it was repeated."""
+        """What the run took of all that nobody gave."""
         from weavecell.studies import unknown
 
         said = "one run"
         if self.target is not None:
             said += f": {unknown.say_run(self.target.setup, self.target.is_placed)}"
-        return "; ".join(filter(None, (said, self.widened)))
+        return said
 
     @property
     def answer(self) -> Answer:

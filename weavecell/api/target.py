@@ -138,19 +138,6 @@ class Target:
             return pin()
         return replace(self, setup=setup)
 
-    def as_run(self, widened: str) -> Target:
-        """Return the target as it was run: with all yarns resolved if its zone was too small.
-
-        Parameters
-        ----------
-        widened : of the result
-        """
-        if not widened:
-            return self
-        from shellfabric.impact.attempts import with_all_yarns
-
-        return replace(self, setup=with_all_yarns(self.setup))
-
     @property
     def law_name(self) -> str:
         """Where the compression laws come from, in words."""

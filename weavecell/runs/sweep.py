@@ -112,7 +112,6 @@ def row_of_limit(limit: Limit, found: PackV50 | None) -> dict[str, Any]:
         "spread_m_s": found.spread,
         "shots": len(limit.shots),
         "checks": shot_row.with_reasons(quality.worst(shot.checks for shot in limit.shots)),
-        **shot_row.say_widened(limit.widened),
     }
 
 
@@ -126,5 +125,4 @@ def _bracketed(limit):
         "upper_m_s": float(high),
         "shots": len(limit.shots),
         "checks": shot_row.with_reasons(quality.worst(shot.checks for shot in limit.ends)),
-        **shot_row.say_widened(limit.widened),
     }

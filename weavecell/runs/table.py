@@ -14,8 +14,6 @@ from dataclasses import dataclass, field, replace
 from math import nan
 from typing import Any
 
-import numpy as np
-
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from shellfabric.impact.setup import ImpactSetup
@@ -25,10 +23,6 @@ from weavecell.studies.inputs import Scatter, read_scatter, scale_setup
 
 # share of the strike velocity, see `ballistic_limit.shoot`
 STOPS_BELOW = 0.1
-# [m] half width of the zone of resolved yarns, and side of a panel of which all are. Of drawn limits of S-728 a
-# sphere in 120 mm has .6 +- .4 % less with it than with all yarns, with one of 20 mm 3.0 +- 1.3 % less
-ZONE = 40e-3
-WHOLE_UP_TO = 120e-3
 
 
 @dataclass(frozen=True)
@@ -82,7 +76,6 @@ class Shot:
     balance : [-] error of the energy balance over the strike energy
     doubtful : names of the quality checks of the shot that are beyond their limits
     failure : why the shot has no outcome, or ""
-    widened : why it was fired again with all yarns resolved, or ""
     cpu_time : [s] of all its runs, without compiling
     """
 
@@ -97,7 +90,6 @@ class Shot:
     balance: float = nan
     doubtful: tuple[str, ...] = ()
     failure: str = ""
-    widened: str = ""
     cpu_time: float = field(default=nan, compare=False)
 
     @property
@@ -187,7 +179,6 @@ def fire(setup: ImpactSetup, velocity: float, draw: Draw | None = None) -> Shot:
         deflection=shot.deflection,
         balance=shot.balance,
         doubtful=tuple(check.name for check in shot.checks if check.doubtful),
-        widened=shot.widened,
         cpu_time=time.process_time() - began,
     )
 
@@ -200,31 +191,10 @@ def list_drawn(shots: Sequence[Shot]) -> dict[str, list[float | None]]:
 
 def as_fired(setup: ImpactSetup) -> ImpactSetup:
     """Return the set-up that drawn shots model: the whole panel of resolved yarns, unless the input
-    pins them, on its mesh, in a zone that is the same for all draws: it is not widened by what a shot
-    does, since one shot with all yarns of a large panel costs as much as ten."""
+    pins them, on its mesh."""
     if setup.instead is not None:
         setup = places.resolve(setup)
-    return replace(fix_zone(grade_mesh(setup)), symmetry="whole")
-
-
-def fix_zone(setup: ImpactSetup) -> ImpactSetup:
-    """Return the set-up with the zone of resolved yarns of drawn shots, if its input gives none: the whole
-    of a small panel, of a large one `ZONE`; of a pack the default one."""
-    zone = setup.crossovers
-    if zone is None or zone.half_width is not None:
-        return setup
-    fixed = replace(setup, crossovers=replace(zone, half_width=zone.width))
-    if setup.plies > 1:
-        return fixed
-    if np.max(setup.opening) > WHOLE_UP_TO:
-        return replace(setup, crossovers=replace(zone, half_width=max(ZONE, zone.width)))
-    whole = replace(setup, crossovers=zone.whole, symmetry="whole")
-    try:
-        whole.plain_panels()
-    except InputError:
-        # yarns cannot be resolved as far as these edges
-        return fixed
-    return whole
+    return replace(grade_mesh(setup), symmetry="whole")
 
 
 def grade_mesh(setup: ImpactSetup) -> ImpactSetup:

@@ -98,14 +98,8 @@ class Study:
         """Number of shots with a quality check beyond its limit."""
         return sum(bool(shot.doubtful) for shot in self.shots)
 
-    @property
-    def widened(self) -> str:
-        """How many shots were fired again with all yarns resolved, in words; "" if none was."""
-        return ballistic_limit.count_widened([shot.widened for shot in self.shots])
-
     def summary(self) -> dict[str, Any]:
         """Return its numbers, {name with unit: value}."""
-        widened = {"widened": self.widened} if self.widened else {}
         found: dict[str, Any] = {"v10_m_s": None, "v50_m_s": None, "v90_m_s": None}
         if self.posterior is not None:
             cloths = self.posterior.cloths()
@@ -123,7 +117,6 @@ class Study:
             "doubtful": self.doubtful,
             "without_outcome": len(self.failures),
             "energy_error_max": max((shot.balance for shot in self.shots), default=nan),
-            **widened,
         }
 
 

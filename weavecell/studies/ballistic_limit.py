@@ -26,11 +26,10 @@ import numpy as np
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath, FloatArray
-from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from fabrics.base.executors import cancel, open_executor
 from fabrics.yarn import striking_velocity
-from shellfabric.impact.attempts import Attempt, RimWatch, Superseded
+from shellfabric.impact.attempts import Attempt
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.loop.driver import STOPPED
 from shellfabric.loop.pack_solver import PackSolver
@@ -66,7 +65,6 @@ class Shot:
     balance : [-] error of the energy balance over the strike energy, the worst of the run
     wall_time : [s] of the time integration
     checks : tuple of Indicator
-    widened : why it was fired again with all yarns resolved, else ""
     deflection : [m] the largest
     """
 
@@ -79,7 +77,6 @@ class Shot:
     balance: float
     wall_time: float
     checks: tuple = ()
-    widened: str = ""
     deflection: float = 0.0
 
     @property
@@ -125,11 +122,6 @@ class Limit:
         return tuple(shot for v in velocities for shot in self.shots if shot.strike_velocity == v)
 
     @property
-    def widened(self) -> str:
-        """How many shots were fired again with all yarns resolved, in words; "" if none was."""
-        return count_widened([shot.widened for shot in self.shots])
-
-    @property
     def highest_stop(self) -> float:
         """[m/s] strike velocity of the fastest shot that stopped, of all shots."""
         return max(
@@ -159,23 +151,6 @@ class Limit:
         """Whether the shots know of one limit only: none stopped that was faster than one that
         perforated."""
         return self.mixed_zone is None
-
-
-def count_widened(reasons: Sequence[str], noun: str = "shot") -> str:
-    """Count the shots that were fired again with all yarns resolved, in words; "" if none was.
-
-    Parameters
-    ----------
-    reasons : why each was, or ""
-    noun : in the singular, of what has the reasons; a shot, or what is made of shots
-    """
-    again = sum(map(bool, reasons))
-    if not again:
-        return ""
-    of = f"{again} of {counted(len(reasons), noun)}"
-    if noun != "shot":
-        of += " with shots"
-    return f"{of} fired again with all yarns resolved: their zone was too small"
 
 
 class KeptShots:
@@ -458,15 +433,12 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
     def shoot_once(attempt):
         solver = PackSolver(attempt.target, velocity, UNDECIDED, interval=_AUDIT)
         solver.stack.after_stop = 0.0
-        return solver.run((RimWatch(attempt), hook))
+        return solver.run((hook,))
 
     attempt = Attempt(Pack.of(panel))
     while True:
-        try:
-            solver = shoot_once(attempt)
-            following = attempt.follow(solver)
-        except Superseded as ended:
-            following = ended.following
+        solver = shoot_once(attempt)
+        following = attempt.follow(solver)
         if following is None:
             break
         attempt = following
@@ -486,6 +458,5 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),
-        widened=attempt.widened,
         deflection=float(solver.ply_sample("deflection")[:, -1].max()),
     )

@@ -29,15 +29,7 @@ def row_of(result: Any, problem: str = "") -> dict[str, Any]:
         "cut_yarns": float(result.cut_yarns[-1]),
         "energy_error_max": float(result.energy_error_max),
         "checks": with_reasons(result.checks),
-        **say_widened(result.widened),
     }
-
-
-def say_widened(text: str) -> dict[str, str]:
-    """Return the entry of a row of which something was run again with all yarns resolved; none of others."""
-    if not text:
-        return {}
-    return {"widened": text}
 
 
 def with_reasons(indicators: Sequence[Indicator]) -> str:

@@ -204,7 +204,7 @@ def test_straight_yarn_is_smiths(straight, crossing, end_time, length):
         opening=(length, 0.0165),
         end_time=end_time,
         history=HistoryRequest(weft=()),
-        numerics=Numerics(penalty=0.1),
+        numerics=Numerics(nose_stiffness=0.3),
         **STRIP,
     )
     (recorded,) = run_impact(setup).measured

@@ -19,7 +19,6 @@ from shellfabric.membrane.numerics import Numerics
 from shellfabric.membrane.slots import by_node
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone, aim
-from shellfabric.yarns.part import slip_at_rim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
 SETUP = ImpactSetup(
@@ -205,20 +204,6 @@ def test_snapshots_and_the_deflection_have_the_yarns_of_the_zone(table):
     assert not last.failed.any()
 
 
-def test_slip_beside_the_rim_says_how_wide_the_zone_is(table):
-    result = run_impact(SETUP, table=table)
-    found = {check.name: check for check in result.checks}["slip at the rim"]
-    assert "panel.zone is 8 mm" in found.meaning
-    panel = result.target.plies[0]
-    zone, rest = panel.zone(), panel.patch.rest[0]
-    assert slip_at_rim(zone, rest) == 0.0
-    zone.place[2, 5, 0] += 1.5
-    zone.place[2, 7, 1] -= 0.8
-    assert slip_at_rim(zone, rest) == pytest.approx(0.75)
-    zone.torn[0, 2] = True  # a cut yarn is drawn out at any width
-    assert slip_at_rim(zone, rest) == pytest.approx(0.4)
-
-
 def test_a_run_that_loses_its_energy_says_which_part_has_it(table):
     """By the books of the zone: made by the yarns, by their tie to rim and nose, or by the rest."""
     shot = replace(SETUP, strike_velocity=250.0)
@@ -298,7 +283,7 @@ def test_a_nose_that_flies_out_of_the_zone_ends_the_run(table):
         ({"cell_formulation": "equilibrium"}, "cell_formulation"),
         ({"crossovers": YarnZone(3e-3)}, "zone"),
         ({"round": True, "crossovers": YarnZone(25e-3)}, "zone"),
-        ({"numerics": Numerics(penalty=0.1)}, "penalty"),
+        ({"numerics": Numerics(nose_stiffness=0.5)}, "nose_stiffness"),
         ({"numerics": Numerics(contact_damping=0.0)}, "contact_damping"),
         ({"numerics": Numerics(contact_points=2)}, "contact_points"),
         ({"numerics": Numerics(erosion_gap=2.0)}, "erosion_gap"),
@@ -311,11 +296,55 @@ def test_what_a_zone_does_not_have_is_refused(table, values, key):
     assert caught.value.key == key
 
 
-def test_less_friction_makes_the_default_zone_wider():
-    assert YarnZone().width == YarnZone(friction=0.15).width == 20e-3
-    assert YarnZone(friction=0.1).width == pytest.approx(30e-3)
-    assert YarnZone(friction=0.0).width == inf
-    assert YarnZone(8e-3, 0.1).width == 8e-3
+@pytest.mark.parametrize(
+    ("plies", "side", "friction", "width"),
+    [
+        (1, 0.12, 0.2, inf),
+        (1, 0.13, 0.2, 40e-3),
+        (1, 0.13, 0.3, 40e-3),
+        (1, 0.13, 0.1, 80e-3),
+        (2, 0.1, 0.2, 20e-3),
+        (2, 0.1, 0.1, 30e-3),
+        (2, 0.1, 0.0, inf),
+    ],
+)
+def test_the_default_zone_is_all_yarns_of_a_small_ply_and_wider_with_less_friction(
+    plies, side, friction, width
+):
+    setup = replace(
+        SETUP,
+        plies=plies,
+        opening=(0.9 * side, side),
+        crossovers=YarnZone(friction=friction),
+        ply_friction=0.2,
+        symmetry="whole",
+    )
+    assert setup.zone.width == pytest.approx(width)
+    assert replace(setup, crossovers=YarnZone(8e-3, friction)).zone.width == 8e-3
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"weave_angle": 0.4},
+        {"round": True},
+        {"round": True, "impact_point": (3e-3, -5e-3)},
+    ],
+    ids=str,
+)
+def test_no_scene_is_refused_for_a_zone_that_nobody_gave(shape):
+    """It is narrowed to what the edges leave, by no more than a spacing; one that is given is refused there."""
+    rows = {"opening": (0.06, 0.06), "symmetry": "whole", "crossovers": YarnZone(friction=0.0)}
+    setup = replace(SETUP, **rows | shape)
+    (panel,) = setup.plain_target().plies
+    width = panel.zone_width
+    assert 10e-3 < width < 0.5 * max(panel.opening)
+    assert panel._is_free(width)
+    assert not panel._is_free(width + 1.01 * max(panel.spacing))
+    given = replace(setup, crossovers=YarnZone(inf, 0.0))
+    with pytest.raises(InputError) as caught:
+        given.plain_target()
+    assert caught.value.key == "zone"
 
 
 def test_a_random_aim_is_that_of_its_seed_within_a_cell_of_the_weave():

@@ -16,11 +16,10 @@ PACK = {"plies": 2, "boundary": "free"}
     [
         # the set-up as it is read, with resolved yarns, with frictions on nose and between yarns in the middle of
         # their ranges, struck on a yarn, and one with nothing chosen, from which a forecast says what differs; the
-        # pack with no table filled, by which yarns are found to be resolved as asked, that of the run, and that
-        # with all yarns resolved of the run that may follow it
-        ({}, 6, 3),
+        # pack with no table filled, by which yarns are found to be resolved as asked, and that of the run
+        ({}, 6, 2),
         # with the friction between plies; of the first two packs each once more, as its grids are shifted
-        (PACK, 7, 5),
+        (PACK, 7, 4),
         # as it is read, with friction on the nose, and one with nothing chosen
         ({"crossovers": "pinned"}, 3, 1),
     ],
