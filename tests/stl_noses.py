@@ -28,6 +28,7 @@ NOSES = {
     ),
 }
 VELOCITIES = (80.0, 150.0)  # [m/s]
+DEFLECTION = 1  # of a row of `fire`
 
 
 def triangles(shot, rise=241, around=145):
