@@ -430,8 +430,13 @@ class PanelGrid(PanelSetup):
     @property
     def step_of_bound(self) -> float:
         """[s] the stability bound times `cfl`."""
+        return self.numerics.cfl * self.largest_step
+
+    @property
+    def largest_step(self) -> float:
+        """[s] the stability bound."""
         xi = self.numerics.stretch_viscosity
-        return self.numerics.cfl * self.critical_step * ((1 + xi**2) ** 0.5 - xi)
+        return self.critical_step * ((1 + xi**2) ** 0.5 - xi)
 
     def coordinates(self) -> list[FloatArray]:
         """Return (X, Y) [m] of the nodes at rest, each (ni+1, nj+1); the impact point is the

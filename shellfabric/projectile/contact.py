@@ -12,18 +12,9 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.projectile import contact_kernels
 from shellfabric.state import PointLaw, Scratch
 
-# [mass / dt^2] most stiffness of an explicit contact: twice of it is stable with the usual damping, and yarns
-# bounce off a nose from 1.5 times on (docs/reports/numerics.md)
-MOST_EXPLICIT = 0.6
 
-
-def point_law(
-    mass: float, stiffness: float, damping: float, cfl: float, dt: float, *, implicit: bool = False
-) -> PointLaw:
+def point_law(mass: float, stiffness: float, damping: float, cfl: float, dt: float) -> PointLaw:
     """Compute the law of a contact point with the projectile.
-
-    An explicit spring is no stiffer than the step bears, which only meshes of one or two elements a
-    crossover feel; an implicit one may have any stiffness.
 
     Parameters
     ----------
@@ -32,16 +23,13 @@ def point_law(
     damping : ratio to critical of that mass on that spring
     cfl : [-] Courant factor of the fabric at this step
     dt : [s] time step
-    implicit : of a ply of a pack, which other plies press on besides
     """
-    if not implicit:
-        stiffness = min(stiffness, MOST_EXPLICIT * mass / dt**2)
     stick_stiffness, stick_damping = friction.stick(cfl, mass, dt, stiffness, room=2.0)
     return PointLaw(
         stiffness=stiffness,
         damping=2 * damping * (stiffness * mass) ** 0.5,
         mass=mass,
-        implicit=float(implicit),
+        implicit=0.0,
         share_drag=0.0,
         stick_stiffness=stick_stiffness,
         stick_damping=stick_damping,

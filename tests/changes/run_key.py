@@ -2,7 +2,7 @@
 
 import weavecell as wc
 
-SCENE = {"opening": "60 mm", "end_time": "30 us"}
+SCENE = {"opening": "60 mm", "end_time": "30 us", "crossovers": "pinned"}
 usual = wc.impact("S-720", "90 m/s", **SCENE)
 coarse = wc.impact("S-720", "90 m/s", table_size=21, **SCENE)
 difference = abs(coarse.max_deflection / usual.max_deflection - 1)

@@ -284,7 +284,8 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             if (first := digests.index(digest)) < number:
                 message = f"set-up {number + 1} is the same as set-up {first + 1}"
                 raise InputError(message, key="target", allowed="set-ups that differ")
-        return SetupsPlan(setups)
+        panels = [resolve_target(setup, {}, "shot", function="sweep") for setup in setups]
+        return SetupsPlan(tuple(panel.nominal().setup for panel in panels))
     from weavecell.runs import sweep as studies
     from weavecell.scenes.impact import Scene
     from weavecell.studies import inputs, strengths

@@ -11,6 +11,7 @@ from fabrics import ply_laws
 from fabrics.base.errors import InputError
 from fabrics.ply_law import PlyLaw
 from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.membrane.arrays import nose_law
 from shellfabric.plies.frame_kernels import BEHIND
 from shellfabric.plies.model import Pack, PlyContact
 from validation.models.ply_crossings import plies_cross
@@ -20,8 +21,9 @@ GAP = 0.1e-3
 
 def test_far_behind_is_a_single_ply(ply, monkeypatch):
     far = Pack((ply, ply), (0.5,), PlyContact(courant=10.0))  # which leaves the step to the plies
-    # the nose's stiffness of a pack is another
-    monkeypatch.setattr(Pack, "_firmer", lambda pack, ply: 0.0)
+    # the nose's contact of a single ply is explicit
+    explicit = lambda ply, mass, implicit: nose_law(ply, mass)  # noqa: E731
+    monkeypatch.setattr("shellfabric.plies.model.nose_law", explicit)
     alone = far._in_step(ply)
     single = PackSolver(alone, 120.0, 20e-6).run()
     pack = PackSolver(far, 120.0, 20e-6).run()

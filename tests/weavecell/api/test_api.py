@@ -414,7 +414,8 @@ def test_notes_of_a_set_up_warn_at_the_line_of_the_user(call):
         more = {"shots": 8, "check": True}
     with pytest.warns(UserWarning, match="the edges follow yarns") as told:
         call(*target, opening="28 mm", weave_angle="30 deg", symmetry="whole", **more)
-    assert [one.filename for one in told] == [__file__]
+    edges = [one.filename for one in told if "edges" in str(one.message)]
+    assert edges == [__file__]
 
 
 GOOD, BAD = (Indicator("viscous energy", value, 0.15) for value in (0.05, 0.31))

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pandas
 import pytest
 
@@ -81,24 +80,6 @@ def test_the_forecast_of_a_search_is_within_two_shots_of_what_bisection_fires(gu
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_the_forecast_of_a_search_counts_each_shot_with_the_runs_that_may_follow_it(monkeypatch):
-    """One of pinned yarns, another of half the step in a given zone, and a third of half the step where yarns may slip
-    at the rim of their default zone: half the step takes twice as long."""
-    # [s] of any run
-    monkeypatch.setattr(run_size, "_forecast_cpu_time", lambda setup, pack: np.array([1.0, 1.0]))
-    least, most = run_size.DURATION
-    of_a_run = {"opening": "60 mm", "projectile": "FSP 1.10 g", "tolerance": "3 m/s", "check": True}
-
-    def count_runs(**yarns):
-        low, high = wc.critical_velocity("S-728", **of_a_run, **yarns).cpu_time
-        return high / low * least / most
-
-    pinned = count_runs(crossovers="pinned")
-    default = count_runs()
-    given = count_runs(crossovers="yarns", zone="12 mm")
-    assert [pinned, default, given] == pytest.approx([1, 1 + 2 + 2, 1 + 2])
-
-
 def test_the_forecast_of_a_limit_of_a_pack_counts_the_shots_of_its_v50():
     """The mean of four surrogates is 12.5 shots (docs/reports/packs.md)."""
     pack = wc.critical_velocity("S-720", plies=4, opening="50 mm", check=True)

@@ -105,10 +105,8 @@ class CableNet:
         self.dt, self.cv = time_step(2 * (sum(stiffness) / mass) ** 0.5, cfl, viscosity)
         shared = mass / const.points_per_side**2
         law = contact.point_law(
-            shared, penalty * shared / self.dt**2, CONTACT_DAMPING, cfl, self.dt, implicit=True
+            shared, penalty * shared / self.dt**2, CONTACT_DAMPING, cfl, self.dt
         )
-        # stiffer than the shell's contact may be, whose step is longer
-        law = law._replace(implicit=0.0)
         self.const = const._replace(dt=self.dt, point_law=law)
         self.state = panel.state(setup.strike_velocity)
         shape = (const.ni + 1, const.row_stride)
