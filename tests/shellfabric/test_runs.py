@@ -117,8 +117,12 @@ RUNS = {
     ),
     "nose friction": (
         PANEL
-        | {"strike_velocity": 150.0, "projectile": Projectile(shape="hemisphere", friction=0.3)},
-        lambda run: spent(run, "friction") > 1e-3 and run.state.friction_slip.any(),
+        | {
+            "strike_velocity": 150.0,
+            "projectile": Projectile(shape="hemisphere", friction=0.3),
+            "end_time": 24e-6,
+        },
+        lambda run: spent(run, "friction") > 1e-4 and run.state.friction_slip.any(),
     ),
     "grip": (
         PANEL | {"boundary": Grip(20.0), "strike_velocity": 120.0},

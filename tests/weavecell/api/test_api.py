@@ -333,7 +333,8 @@ def test_a_shot_writes_the_files_of_the_command(shot, results, tmp_path):
 
 def test_a_sweep_of_one_job_starts_no_process(monkeypatch):
     monkeypatch.setattr("fabrics.base.executors.ProcessPoolExecutor", None)
-    found = wc.sweep([wc.setup("S-720", v, **SMALL) for v in (100.0, 150.0)])
+    pinned = SMALL | {"crossovers": "pinned"}
+    found = wc.sweep([wc.setup("S-720", v, **pinned) for v in (100.0, 150.0)])
     assert [one.strike_velocity for one in found] == [100.0, 150.0]
     assert found.summary() == {"shots": 2, "in flight": 2, "doubtful": 0, "checks": "ok"}
     assert found[1].residual_velocity > found[0].residual_velocity
@@ -397,7 +398,8 @@ def test_a_doubtful_shot_says_so_as_text_in_a_notebook_and_in_tables(doubtful):
 
 def test_a_sweep_counts_its_doubtful_shots():
     said = "sweep of 2 shots, doubtful at 92.5 m/s; worst: doubtful: contact"
-    setups = [wc.setup("S-720", 92.5, **SMALL, **options) for options in (COARSE, {})]
+    pinned = SMALL | {"crossovers": "pinned"}
+    setups = [wc.setup("S-720", 92.5, **pinned, **options) for options in (COARSE, {})]
     with pytest.warns(wc.DoubtfulResult, match=said):
         shots = wc.sweep(setups)
     assert shots.doubtful
