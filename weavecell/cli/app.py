@@ -40,6 +40,12 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "biaxial": ("biaxial", "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
     "coupon": ("coupon", "examples/coupons/S-728-bias.toml"),
     "compare": ("compare", "A.toml B.toml --shots 40", "opening", "plies"),
+    "plies": (
+        "plies",
+        "S-728 S-720 --stop 'FSP 1.10 g' --at '250 m/s' --opening '100 mm'",
+        "opening",
+        "stacking",
+    ),
     "reduce tests": ("reduce_tests", "tests.csv examples/S-728-pack.toml"),
     "reduce compression": (
         "reduce_compression",
