@@ -401,7 +401,7 @@ class PliesResult(StudyResult):
         lost = [name for name in self.names if name not in ranked]
         shots = [shot for one in self.found for shot in one.shots]
         passed = sum(shot.perforated for shot in shots)
-        parts = [f"{counted(len(shots), 'drawn shot')}, {passed} perforated"]
+        parts = [f"{counted(len(shots), 'drawn shot')}, {passed} pass"]
         alike = [f"{name} not determined: all outcomes are alike" for name in lost]
         if not ranked:
             return self._find_answer(self.title, "; ".join(alike), over=parts[0])
@@ -436,11 +436,10 @@ class PliesResult(StudyResult):
             if count.high - count.low > 0.9 * (now.high - now.low):
                 continue
             if what == "V50":
-                said.append(
-                    f"shoot V50 of {now.plies} plies of {name}, then `test`: {count.words()}"
-                )
+                test = f"shoot V50 of {now.plies} plies of {name} and give `test`"
+                said.append(f"{test}: then {count.words()}")
             elif what in unknown.ADVICE:
-                said.append(f"{unknown.ADVICE[what]}: {count.words()}")
+                said.append(f"{unknown.ADVICE[what]}: then {count.words()}")
         return tuple(said[:2])
 
     def summary(self) -> dict[str, Any]:
