@@ -42,7 +42,7 @@ NAMES = ("plies.json", "plies.csv", "shots.csv", "plies.svg", *out_folder.INPUT,
 TEST = "PLIES plies: V50, such as '5 plies: 290 m/s', or 'S-728, 5 plies: 290 m/s' of one of several fabrics"
 _TEST = re.compile(r"(?:(?P<fabric>.+),)?\s*(?P<plies>\d+)\s*pl(?:y|ies)\s*:\s*(?P<velocity>.+)")
 # said by other options, or what is asked for
-_SAID = {"projectile": "stop", "plies": "", "ply": ""}
+_SAID = {"projectile": "stop", "plies": "", "ply": "", "areal_density": ""}
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,8 @@ def plies(
     shots : number of shots at each fabric, at least 4; if not given 16
     check : run nothing and write nothing: forecast shots and CPU time
     seed : seed of all random numbers
-    **options : jobs, executor, out and resume; keywords of `setup` but projectile, plies, ply and history
+    **options : jobs, executor, out and resume; keywords of `setup` but projectile, plies,
+        areal_density, ply and history
 
     Returns
     -------
