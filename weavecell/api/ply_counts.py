@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.door import option
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.errors import InputError, InputErrors, UnstableError, together
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from shellfabric.plies.pack_keys import MOST_PLIES, PackKeys
@@ -77,8 +77,7 @@ class PliesPlan(Plan["PliesResult"]):
         try:
             panel = resolve_target(fabric, options, "v50", self.velocity, function="plies")
         except InputError as problem:
-            given = {"target": "fabrics", "velocity": "at", "projectile": "stop"}
-            raise problem.changed(key=given.get(problem.key or "", problem.key)) from None
+            raise _name_options(problem) from None
         return panel.resolved()
 
     def setups_of(self, fabric: Any) -> Callable[[int], ImpactSetup]:
@@ -227,6 +226,15 @@ def plies(
         # refused before the first shot
         made.target_of(one, 2)
     return made
+
+
+def _name_options(problem):
+    """Return the problem of a set-up with the arguments of `plies` that it is of."""
+    if isinstance(problem, InputErrors):
+        return together([_name_options(part) for part in problem.problems])
+    given = {"target": "fabrics", "velocity": "at"}
+    key = (problem.key or "").replace("projectile", "stop", 1)
+    return problem.changed(key=given.get(key, key) or None)
 
 
 def _read_tests(texts, names):

@@ -164,7 +164,7 @@ def _root(
 
 
 class _Lines(logging.Handler):
-    """What is assumed goes to stdout with the results, notes and warnings go to stderr, each line once."""
+    """What is assumed goes to stdout with the results, warnings go to stderr, each line once."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -172,11 +172,13 @@ class _Lines(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         message = record.getMessage()
-        warns = record.levelno > logging.INFO or message.startswith("note: ")
-        if message in self.printed or not (progress.told or warns):
+        told = progress.told or record.levelno > logging.INFO or message.startswith("note: ")
+        if message in self.printed or not told:
             return
-        self.printed.add(message)
-        progress.write(self.format(record), sys.stderr if warns else sys.stdout)
+        self.printed.add(record.getMessage())
+        progress.write(
+            self.format(record), sys.stderr if record.levelno > logging.INFO else sys.stdout
+        )
 
 
 def main(arguments: Iterable[str] | None = None) -> NoReturn:

@@ -21,7 +21,8 @@ def printed():
         text = (cases.HERE / "texts" / f"{name}.txt").read_text("utf-8")
         for block in re.split(r"^\$ weavecell ", text, flags=re.MULTILINE)[1:]:
             line, *lines = block.partition("[exit code")[0].splitlines()
-            of_result = [one for one in lines if not one.startswith("! ")]
+            # what is odd about an input is told before it is computed
+            of_result = [one for one in lines if not one.startswith(("! ", "note: "))]
             document = line.startswith(DOCUMENTS) or "--check" in line
             if of_result and not document:
                 yield line, of_result
