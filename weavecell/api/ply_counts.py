@@ -206,6 +206,8 @@ def plies(
     names = [str(getattr(one, "name", one)) for one in listed]
     if not listed or len(set(names)) < len(names):
         raise InputError(key="fabrics", value=names, allowed="one fabric or more, each once")
+    if not stop:
+        raise InputError(key="stop", value=stop, allowed="a projectile, such as 'FSP 1.10 g'")
     for key, other in _SAID.items():
         if options.get(key) is not None:
             allowed = f"given as {option(other)}" if other else "left out: it is what is asked for"

@@ -304,7 +304,7 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
             kind="an areal density {}",
         ),
         Unread("export"),
-        Unread("patch"),
+        Unread("patch", "left out: a patch is one ply of solid yarns"),
     ] = None
     ply: Annotated[
         tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")
