@@ -581,11 +581,10 @@ class SweepTable(StudyResult):
             if row.get(quantity.column) is not None
         ]
         outcomes = Counter(row["outcome"] for row in self.rows)
-        value = "none has a number"
+        value = ended = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
         if any(one for one, _ in found):
             (low, least), (high, most) = min(found), max(found)
             value = f"{label} {low:.3g} m/s ({least}) to {high:.3g} m/s ({most})"
-        ended = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
         over = f"{counted(len(self.rows), 'row')} over {self._varied_words}: {ended}"
         return self._find_answer(self.title, value, over=over)
 
