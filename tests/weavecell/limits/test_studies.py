@@ -267,6 +267,7 @@ def test_a_sweep_says_what_came_of_the_keys_that_vary(tmp_path):
         assert replace(table, rows=rows).answer.value == words
     rows = [{**row, "outcome": word} for row, word in zip(table.rows, ("stopped", "perforated"))]
     rows[0]["residual_velocity_m_s"], rows[1]["residual_velocity_m_s"] = 0.0, 31.4
-    ends = "0 m/s (panel opening 16 mm) to 31.4 m/s (panel opening 20 mm)"
-    told = f"residual velocity {ends}; 1 stopped, 1 perforated"
-    assert replace(table, rows=rows).answer.value == told
+    ends = "0 m/s (opening 16 mm) to 31.4 m/s (opening 20 mm)"
+    answer = replace(table, rows=rows).answer
+    assert answer.value == f"residual velocity {ends}"
+    assert answer.over.endswith(": 1 stopped, 1 perforated")
