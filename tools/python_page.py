@@ -33,6 +33,7 @@ SECTIONS = {
         "critical_velocity",
         "v50",
         "compare",
+        "plies",
         "reduce_tests",
         "reduce_shot",
         "patch",

@@ -10,6 +10,7 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from validation.values import Values
 from weavecell.runs import go_no_go, v50
+from weavecell.runs import plies as analysis
 from weavecell.runs.go_no_go import Outcomes
 from weavecell.studies import lambert_jonas
 from weavecell.studies.bracket import Bracket
@@ -18,6 +19,10 @@ from weavecell.studies.limit import RESIDUAL_SHOTS
 V50 = 500.0  # [m/s]
 TOLERANCE = 1.0  # [m/s] of the brackets of `curve_coverage`
 SEED = 11
+NAMES = "friction between yarns", "friction on the nose"
+# evenly spread, as the panels of a study are
+_MIDDLES = (np.arange(12) + 0.5) / 12 - 0.5
+POPULATION = np.stack(np.meshgrid(_MIDDLES, _MIDDLES), axis=-1).reshape(-1, 2)
 
 
 def coverage(
@@ -38,9 +43,6 @@ def coverage(
     dict with held, [%] of the three, least first; and off, rms error of V50, and half, median half width of
     its interval, [%] of V50; by number of shots
     """
-    # evenly spread, as the panels of a study are
-    middles = (np.arange(12) + 0.5) / 12 - 0.5
-    population = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
     known, rest = _draw(np.random.default_rng(SEED), 100_000)
     limits = _limits(known, rest, scatter, slopes)
     true = np.quantile(limits, go_no_go.LEVELS)
@@ -52,7 +54,7 @@ def coverage(
             known, rest = _draw(random, count)
             fired = PROTOCOLS[protocol](known, _limits(known, rest, scatter, slopes), random)
             guess = float(np.median(fired.velocity))
-            asked = population if fired.names else None
+            asked = POPULATION if fired.names else None
             found.append([*go_no_go.fit(fired, guess, asked).velocities.values()])
         low, high = (np.array([[span[end] for span in row] for row in found]) for end in (1, 2))
         held.append(100 * float(np.mean((low <= true) & (true <= high), axis=0).min()))
@@ -75,15 +77,74 @@ def _limits(known, rest, scatter, slopes):
 def rounds(known: FloatArray, limits: FloatArray, random: np.random.Generator) -> Outcomes:
     """Place shots as `v50` does, from a guess 30 % low to 50 % high."""
     guess = V50 * float(np.exp(random.uniform(np.log(0.7), np.log(1.5))))
-    names = ("friction between yarns", "friction on the nose")
-    fired = Outcomes(names, known[:0], np.zeros(0), np.zeros(0, bool))
+    fired = Outcomes(NAMES, known[:0], np.zeros(0), np.zeros(0, bool))
     for begun in range(0, limits.size, v50.BATCH):
         coarse = go_no_go.fit(fired, guess, draws=go_no_go.COARSE)
         placed = go_no_go.place(coarse, known[begun : begun + v50.BATCH])
         velocity = np.append(fired.velocity, placed)
         until = slice(0, velocity.size)
-        fired = Outcomes(names, known[until], velocity, velocity > limits[until])
+        fired = Outcomes(NAMES, known[until], velocity, velocity > limits[until])
     return fired
+
+
+def plies_coverage(
+    *, plies: int, sure: float, scatter: float, growth: float, shots: Sequence[int], series: int
+) -> Values:
+    """Count the studies of plies that find the least count that stops a threat with a probability `sure`.
+
+    Parameters
+    ----------
+    plies : the least count
+    scatter : [-] as of `coverage`; each of two knowns moves limits by .1 over its range
+    growth : [-] exponent of plies of the limits
+    shots : numbers of shots of a study, in rounds of `v50.BATCH` as `plies` places them
+    series : studies of each number, with guesses of the count half to twice as high
+
+    Returns
+    -------
+    dict with near, [%] of studies within one ply, or 10 % of it; held, [%] whose range holds it; few, [%] that find
+    too few; by number of shots
+    """
+    known, rest = _draw(np.random.default_rng(SEED), 20_000)
+    # of packs whose middle is 1: the velocity at which the share that is asked for stops
+    stops = float(np.quantile(1 + 0.1 * known.sum(axis=1) + scatter * rest, 1 - sure))
+    # between two counts, so that neither is just enough
+    middle = V50 / stops / (plies - 0.5) ** growth
+    table: dict[str, list] = {"near": [], "held": [], "few": []}
+    for count in shots:
+        random = np.random.default_rng([SEED, count, plies])
+        found = []
+        for seed in range(series):
+            reference = max(1, round(plies * np.exp(random.uniform(np.log(0.5), np.log(2)))))
+            known, rest = _draw(random, count)
+            part = 1 + 0.1 * known.sum(axis=1) + scatter * rest
+            counts: list[int] = []
+            fired = Outcomes(NAMES, known[:0], np.zeros(0), np.zeros(0, bool), np.zeros(0))
+            for begun in range(0, count, v50.BATCH):
+                coarse = go_no_go.fit(fired, V50, draws=go_no_go.COARSE)
+                chosen = analysis.choose_count(
+                    coarse,
+                    reference,
+                    counts,
+                    velocity=V50,
+                    sure=sure,
+                    mixed=fired.mixed,
+                    seed=seed,
+                )
+                counts += v50.BATCH * [chosen]
+                times = np.array(counts) / reference
+                own = known[begun : begun + v50.BATCH]
+                velocity = np.append(fired.velocity, go_no_go.place(coarse, own, times[-1]))
+                limits = middle * np.array(counts) ** growth * part[: len(counts)]
+                hit = velocity > limits
+                fired = Outcomes(NAMES, known[: len(counts)], velocity, hit, times)
+            posterior = go_no_go.fit(fired, V50, POPULATION)
+            found.append(analysis.count_plies(posterior, reference, V50, sure))
+        off = np.array([one.plies - plies for one in found])
+        table["near"].append(100 * float(np.mean(np.abs(off) <= max(1, 0.1 * plies))))
+        table["held"].append(100 * float(np.mean([one.low <= plies <= one.high for one in found])))
+        table["few"].append(100 * float(np.mean(off < 0)))
+    return table
 
 
 def up_and_down(known: FloatArray, limits: FloatArray, random: np.random.Generator) -> Outcomes:

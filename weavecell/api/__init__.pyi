@@ -43,6 +43,8 @@ from weavecell.api.own_runs import draw as draw
 from weavecell.api.own_runs import run as run
 from weavecell.api.patches import PatchResult as PatchResult
 from weavecell.api.patches import patch as patch
+from weavecell.api.ply_counts import PliesResult as PliesResult
+from weavecell.api.ply_counts import plies as plies
 from weavecell.api.pull_outs import PullOutFriction as PullOutFriction
 from weavecell.api.pull_outs import reduce_pull_out as reduce_pull_out
 from weavecell.api.reduction import CompressionRecords as CompressionRecords

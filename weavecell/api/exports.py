@@ -130,11 +130,11 @@ class DeckResult(Result):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
-        from weavecell.decks.folder import ROWS, percent
+        from weavecell.decks.folder import percent
 
         lines = []
         for name, numbers in self.errors.items():
-            errors = ", ".join(f"{ROWS[key]} {percent(value)}" for key, value in numbers.items())
+            errors = ", ".join(f"{key} {percent(value)}" for key, value in numbers.items())
             lines.append(f"{name}: {errors}")
         lines.append(f"of the strength; the deck has not been run in {self.code}")
         if self.keys_left_out:

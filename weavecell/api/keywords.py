@@ -82,6 +82,8 @@ class Keywords(TypedDict, total=False):
         "quarter", "half", "other half", "whole"
     weave_angle : angle of the warp to the sides of the opening [rad]; an angle from -89 to 89 deg,
         such as "45 deg"
+    areal_density : areal density of a pack, from which the number of its plies follows: of whole
+        plies that which is nearest [kg/m^2]; an areal density above 0, such as "5 kg/m^2"
     ply : plies one by one, in place of `plies`; tables [[panel.ply]]
     strength : yarns that differ in strength; a table { weibull_shape = 14.3, seed = 1 }
     length_effect : whether the strength of a yarn follows its length from edge to edge: the stated
@@ -147,6 +149,7 @@ class Keywords(TypedDict, total=False):
     boundary: Literal["clamped", "free"] | Mapping[str, Side | Quantity]
     symmetry: Literal["quarter", "half", "other half", "whole"]
     weave_angle: Quantity
+    areal_density: Quantity | None
     ply: list[Mapping[str, Any]] | tuple[Mapping[str, Any], ...]
     strength: Mapping[str, Quantity] | None
     length_effect: bool

@@ -215,7 +215,8 @@ class PatchResult(DrawnResult):
     @property
     def answer(self) -> Answer:
         """The verdict."""
-        return self._find_answer(self._title, self.verdict, over=f"{len(self.struck)} models")
+        value, _, found = self.verdict.partition(": ")
+        return self._find_answer(self._title, value, over=f"{len(self.struck)} models, {found}")
 
     def summary(self) -> dict[str, Any]:
         """Return the verdict, and of each model what it came to."""

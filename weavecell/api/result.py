@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from fabrics import assumed
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
-from fabrics.base.door import in_terminal
+from fabrics.base.door import in_terminal, option
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
 from shellfabric.membrane.indicator import NOTED
@@ -48,6 +48,8 @@ class Result:
     kind: ClassVar[str] = ""
     # what computes it, for `cite`: "panel", "crossover" or "mesh"
     uses: ClassVar[tuple[str, ...]] = ("panel",)
+    # lines that it prints at most, beside where it was written to
+    _most_lines: ClassVar[int] = 7
     # that it was written to or read from; None of a result that stands in no folder
     folder: Path | None = None
 
@@ -195,7 +197,13 @@ class Result:
 
     def __str__(self) -> str:
         if type(self).answer is Result.answer:
-            return self.details()
+            lines = self.details().splitlines()
+            most = self._most_lines
+            if len(lines) > most:
+                rest = counted(len(lines) - most + 1, "more line")
+                told = option("verbose") if in_terminal() else "details()"
+                lines = [*lines[: most - 1], f"{rest}: {told}"]
+            return "\n".join(lines)
         return "\n".join(self.answer.lines(self.folder))
 
     def details(self) -> str:

@@ -97,6 +97,8 @@ def shots_of_a_search(setup: ImpactSetup, tolerance: float = WIDTH) -> int:
 class _Size(Result):
     """A forecast, whose table has one row."""
 
+    _most_lines = 100  # what is asked for
+
     cpu_time: tuple[float, float]
     said: Wording
 
@@ -469,6 +471,8 @@ class WorkSize(Result):
     S-720, biaxial: nothing is run
     2 paths, 482 states
     """
+
+    _most_lines = 100  # what is asked for
 
     title: str
     amounts: dict[str, int]

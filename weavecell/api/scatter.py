@@ -305,7 +305,7 @@ class V50Result(StudyResult):
 
         found, shots = self.study.posterior, self.study.shots
         passed = sum(shot.perforated for shot in shots)
-        over = f"{counted(len(shots), 'drawn shot')}, {passed} perforated: {unknown.say_drawn(self.target.setup)}"
+        over = f"{counted(len(shots), 'drawn shot')}, {passed} pass: {unknown.say_drawn(self.target.setup)}"
         subject = self._name_shot("V50")
         if found is None:
             return self._find_answer(subject, "not determined: all outcomes are alike", over=over)
@@ -326,7 +326,7 @@ class V50Result(StudyResult):
                 break
             low, high = self.study.range_of(name)
             known = f"to ± {0.5 * v50.KNOWN * (high - low):.2g}"
-            narrows = f"one cloth's V50 from ± {now:.2g} to ± {then:.2g} m/s"
+            narrows = f"V50 of a cloth ± {now:.2g} to ± {then:.2g} m/s"
             return {name: f"{unknown.ADVICE[name]} {known}: {narrows}"}
         return {}
 

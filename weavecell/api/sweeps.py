@@ -577,16 +577,16 @@ class SweepTable(StudyResult):
         quantity = self._drawn
         label = find_axis(quantity.column).words
         found = [
-            (row[quantity.column], self._changes(row))
+            (row[quantity.column], self._changes(row).replace("panel ", ""))
             for row in self.rows
             if row.get(quantity.column) is not None
         ]
         outcomes = Counter(row["outcome"] for row in self.rows)
-        value = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+        value = ended = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
         if any(one for one, _ in found):
             (low, least), (high, most) = min(found), max(found)
-            value = f"{label} {low:.3g} m/s ({least}) to {high:.3g} m/s ({most}); {value}"
-        over = f"{counted(len(self.rows), 'row')} over {self._varied_words}"
+            value = f"{label} {low:.3g} m/s ({least}) to {high:.3g} m/s ({most})"
+        over = f"{counted(len(self.rows), 'row')} over {self._varied_words}: {ended}"
         return self._find_answer(self.title, value, over=over)
 
     @property

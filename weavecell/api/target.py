@@ -7,6 +7,7 @@ flat cylinder of 3 g and 5.5 mm (`scenes.impact.standard_shot`).
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 # [m/s] for the deck of a fabric, and for studies that choose their velocities
 STRIKE = 92.5
 ALLOWED = "an input file or fabric file (*.toml), or one of "
+_LAMINATE = re.compile(r"\b(UD|unidirectional|laminates?|prepregs?|composite)\b", re.IGNORECASE)
 _OF_A_SCENE = {"fabric", "projectile", "panel", "run"}
 # any of these makes a file one of a fabric, however wrong
 _OF_A_FABRIC = {"name", "warp", "weft", "thickness", "areal_density", "compression", "shear"}
@@ -240,7 +242,10 @@ def read_target(
 
 def unknown_target(name: str) -> InputError:
     """Return the InputError of a target that is neither a fabric of the catalogue nor a *.toml
-    file."""
+    file; of a laminate that it is none that can be shot at."""
+    if _LAMINATE.search(name):
+        allowed = "woven of dry yarns: laminates and unidirectional sheet have no model here"
+        return InputError("is no woven fabric", key="target", value=name, allowed=allowed)
     return catalogue.unknown(name, ALLOWED + ", ".join(catalogue.list_names()), key="target")
 
 

@@ -39,7 +39,13 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "impact": ("impact", "examples/S-720-stops.toml"),
     "biaxial": ("biaxial", "S-720 --ratio 1:1 --ratio 2:1 --compare-3d coarse"),
     "coupon": ("coupon", "examples/coupons/S-728-bias.toml"),
-    "compare": ("compare", "A.toml B.toml --shots 40", "opening", "plies"),
+    "compare": ("compare", "A.toml B.toml --shots 40", "opening", "plies", "areal_density"),
+    "plies": (
+        "plies",
+        "S-728 S-720 --stop 'FSP 1.10 g' --at '250 m/s' --opening '100 mm'",
+        "opening",
+        "stacking",
+    ),
     "reduce tests": ("reduce_tests", "tests.csv examples/S-728-pack.toml"),
     "reduce compression": (
         "reduce_compression",

@@ -30,8 +30,8 @@ from weavecell.results import glossary, progress
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
-ARGUMENTS = ("target", "other", "tests", "fabric", "name", "file", "record")
-METAVARS = {"executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
+ARGUMENTS = ("target", "other", "tests", "fabric", "fabrics", "name", "file", "record")
+METAVARS = {"fabrics": "FABRIC...", "executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
 # options with another name than their parameter
 WORDS = {"values": "from"}
 SHORT = {"out": "-o"}
@@ -135,9 +135,11 @@ def _folder(name, parameters, values):
     """Folder of the results of a command, named after the command and what it is given."""
     stems = []
     for parameter in parameters:
-        required = parameter.default is parameter.empty and parameter.name not in ("out", "tests")
-        if (required or parameter.name == "target") and values[parameter.name] is not None:
-            stems.append(Path(values[parameter.name]).stem)
+        required = parameter.default is parameter.empty and parameter.name in ARGUMENTS
+        named = required and parameter.name != "tests"
+        if (named or parameter.name == "target") and values[parameter.name] is not None:
+            given = values[parameter.name]
+            stems += [Path(one).stem for one in (given if isinstance(given, list) else [given])]
     if name not in OF_ONE_RUN:
         stems = [*name.split(), *stems]
     return RESULTS / "-".join(stems)

@@ -47,7 +47,7 @@ class UncoupledCurves:
     trellis: FloatArray
     lost: ClassVar[str] = (  # what it does not hold, in words
         "crimp exchange (each direction has a curve of its own), sliding of yarns at the crossovers, "
-        "failure (the curves go on beyond the strength, and nothing breaks)"
+        "failure (nothing breaks)"
     )
 
     @classmethod

@@ -23,6 +23,7 @@ _INDEX = (
 AGAINST_TESTS = Path(__file__).with_name(
     "against_tests.csv"
 )  # written by `python -m validation measured`
+COLUMNS = "level", "quantity", "words", "n", "within 2 u_val", "bias", "sigma_model", "sigma_test"
 _MEANS = "; for means their difference, to which their standard errors are added"
 
 
@@ -155,13 +156,18 @@ def _verdict(pair):
 def _compare_with_tests(pair):
     """A line of each quantity of such a shot that was compared with tests."""
     levels = {"ply" if pair.setup.plies == 1 else "pack", "backing" if pair.setup.backing else ""}
-    columns = dict.fromkeys(("level", "quantity", "words"), WORDS)
-    table = read_table(AGAINST_TESTS, columns, what="comparisons with tests", example="level")
     return [
         f"against tests, {row['quantity']}: {row['words']}"
-        for _, row in table.rows()
+        for row in read_scored()
         if row["level"] in levels
     ]
+
+
+def read_scored() -> list[dict[str, str]]:
+    """Read the rows that were scored against tests, each {column: text}."""
+    columns = dict.fromkeys(COLUMNS, WORDS)
+    table = read_table(AGAINST_TESTS, columns, what="comparisons with tests", example="level")
+    return [row for _, row in table.rows()]
 
 
 def section(pair: Discretisation) -> Section:

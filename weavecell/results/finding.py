@@ -21,6 +21,7 @@ from weavecell.runs.outcomes import DEPENDS
 if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
+WIDTH, LABEL = 120, 11  # characters of a printed line, and of what stands before it
 PLAIN = "plain"
 COLOURED = ("stopped", "perforated", "unstable")
 CLEAR = "no check beyond its limit"
@@ -97,11 +98,11 @@ class Answer:
         advice = (*self.advice, *(one.settle for one in self.ranked if one.moved != 0))
         found = {
             "answer": f"DOUBTFUL: {self.value}" if self.doubts else self.value,
-            "over": self.over,
+            "over": _list(self.over.split(", "), ", "),
             "moved by": _list(moved, ", "),
             "leaves out": _list([one for one in self.movers if one.moved is None], "; "),
-            "doubts": _list(self.doubts, "; ", 2) or _list((CLEAR, *self.near), "; near: ", 2),
-            "next": name_options(_list(dict.fromkeys(filter(None, advice)), "; ", 3, "")),
+            "doubts": _list(self.doubts, "; ") or _list((CLEAR, *self.near), "; near: "),
+            "next": name_options(_list([*dict.fromkeys(filter(None, advice))][:3], "; ", "")),
         }
         return [(label, words) for label, words in found.items() if words]
 
@@ -111,7 +112,7 @@ class Answer:
         if folder is not None:
             page = folder / "report.html"
             rows.append(("files", str(page if page.is_file() else folder)))
-        return [self.subject, *(f"{label:<11} {words}" for label, words in rows)]
+        return [self.subject, *(f"{label:<{LABEL}} {words}" for label, words in rows)]
 
     def entry(self) -> dict[str, Any]:
         """Return it as plain types, for a JSON file."""
@@ -133,14 +134,19 @@ class Answer:
         return mark(self.line, self.doubts)
 
 
-def _list(parts, mark, most=4, more="{} more"):
-    """Return some of several things, and how many others there are."""
+def _list(parts, mark, more="{} more"):
+    """Return those of several things that a line takes, the first at least, and how many others there are."""
     listed = [*map(str, parts)]
-    rest = len(listed) - most
-    shown = listed[:most]
-    if rest > 0 and more:
-        shown.append(more.format(rest))
-    return mark.join(shown)
+    # room for the number of the others
+    room = WIDTH - LABEL - 1 - len(mark + more.format(99))
+    if len(mark.join(listed)) <= WIDTH - LABEL - 1:
+        return mark.join(listed)
+    shown = listed[:1]
+    for part in listed[1:]:
+        if len(mark.join([*shown, part])) <= room:
+            shown.append(part)
+    rest = [more.format(len(listed) - len(shown))] if more else []
+    return mark.join([*shown, *rest])
 
 
 @contextmanager

@@ -58,6 +58,7 @@ KINDS = {
     "comparison.json": Kind("comparison", "shots.csv"),
     "critical-velocity.json": Kind("critical_velocity", "shots.csv"),
     "v50.json": Kind("v50", "shots.csv"),
+    "plies.json": Kind("ply_counts", "plies.csv"),
     "runs.json": Kind("runs", "shots.csv"),
     "sweep.json": Kind("sweep", "sweep.csv"),
     "tests.json": Kind("tests", "shots.csv"),

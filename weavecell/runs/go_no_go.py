@@ -4,7 +4,12 @@ The limit of a panel is a plane in what is known of it, with a normal rest, whic
 
     limit = middle (1 + known . slopes + scatter z),    z normal                                  (1)
 
-A stop says that the limit lies above the strike velocity, a perforation below it (probit). All constants
+A stop says that the limit lies above the strike velocity, a perforation below it (probit). Shots at packs
+of several counts of plies n have one constant more, as a power of their own line in logarithms:
+
+    middle = middle_0 (n / n_0)^growth                                                             (2)
+
+of which shots at one count are the case n = n_0. All constants
 have priors that are shares of the limit, so that it answers from the first shot on. The posterior is
 sampled by importance: the 90 % intervals of a normal approximation hold .8 of truths at 32 shots. Each
 shot is fired where its outcome tells most of all constants. That walks from a wrong guess too, and
@@ -21,7 +26,7 @@ et al., Stat. Comput. 18 (2008) 447, on adapted importance sampling.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -39,8 +44,12 @@ PLACE = "place"  # from the gap between yarns to the middle of a crossover
 FIRST = 0.7  # [-] deviation of log(middle / guess): guesses twice too high are expected
 SCATTER = 0.06  # [-] median of the scatter: four scenes of drawn panels have .052 to .060
 SPREAD = 0.9  # [-] deviation of its logarithm: with .7 intervals hold .76 to .87 where the scatter is .03 or .12
+# the same of packs of several counts, of which .9 makes one in six counts of 16 shots too many by two plies or more
+SPREAD_OF_PLIES = 0.5
 REACH = 0.1  # [-] deviation of the slope over the whole range of what is known, before COMMON
 REACH_OF_PLACE = 0.04  # [-] of the place
+GROWTH = 0.45  # [-] median of the exponent of plies: tests have .25 (aramid, 2 to 8 plies) to .5 (energy as mass)
+GROWTH_SPREAD = 0.27  # [-] deviation of its logarithm
 COMMON = 0.9  # [-] deviation of the logarithm of what all slopes have in common: flat scenes and steep ones
 
 # of the sampling
@@ -65,12 +74,14 @@ class Outcomes:
     known : (n, names) [-] about 0, over whose range a slope counts
     velocity : (n,) [m/s]
     perforated : (n,)
+    times : (n,) plies over those that the guess is of; None of packs of one count
     """
 
     names: tuple[str, ...]
     known: FloatArray
     velocity: FloatArray
     perforated: NDArray[np.bool_]
+    times: FloatArray | None = None
 
     @classmethod
     def of_tests(cls, velocity: ArrayLike, perforated: ArrayLike) -> Outcomes:
@@ -102,6 +113,7 @@ class LimitPosterior:
     population : (m, names) [-] what is known of panels, as they are drawn
     common : (names,) whether it is the same for all shots at one cloth, as frictions are; a place is not
     effective : number of independent draws that these are worth
+    growth : (d,) [-] exponent of (2); None of packs of one count
     """
 
     names: tuple[str, ...]
@@ -111,6 +123,19 @@ class LimitPosterior:
     population: FloatArray
     common: tuple[bool, ...]
     effective: float
+    growth: FloatArray | None = None
+
+    def of(self, times: float) -> LimitPosterior:
+        """Return the posterior of packs of so many times the plies."""
+        if self.growth is None:
+            return self
+        return replace(self, middle=self.middle * times**self.growth)
+
+    def take(self, numbers: NDArray[np.signedinteger]) -> LimitPosterior:
+        """Return the posterior of these of its draws."""
+        growth = None if self.growth is None else self.growth[numbers]
+        drawn = {name: getattr(self, name)[numbers] for name in ("middle", "slopes", "scatter")}
+        return replace(self, **drawn, growth=growth)
 
     def levels(self, levels: Sequence[float] = LEVELS) -> FloatArray:
         """Compute the velocities (d, levels) [m/s] that these shares of all panels pass."""
@@ -132,11 +157,15 @@ class LimitPosterior:
         names = [f"V{100 * level:.0f}" for level in LEVELS]
         return dict(zip(names, find_spans(self.levels())))
 
-    def passing(self, velocity: ArrayLike) -> list[Span]:
-        """Compute the probability [-] that a shot passes at velocities (v,) [m/s]."""
+    def passed(self, velocity: ArrayLike) -> FloatArray:
+        """Compute the shares (d, v) [-] of shots that pass at velocities (v,) [m/s]."""
         part = np.asarray(velocity, float)[None, :, None] / self.middle[:, None, None] - 1
         mean = (self.slopes @ self.population.T)[:, None]
-        return find_spans(ndtr((part - mean) / self.scatter[:, None, None]).mean(axis=2))
+        return ndtr((part - mean) / self.scatter[:, None, None]).mean(axis=2)
+
+    def passing(self, velocity: ArrayLike) -> list[Span]:
+        """Compute the probability [-] that a shot passes at velocities (v,) [m/s]."""
+        return find_spans(self.passed(velocity))
 
     def cloths(self, narrowed: tuple[str, float] | None = None) -> Span:
         """Compute the V50 [m/s] that a test of one cloth would find: what is common to its shots is drawn
@@ -195,7 +224,7 @@ class LimitPosterior:
 @dataclass(frozen=True)
 class _Plane:
     """The logarithm of the posterior of (1) in deviations from the priors, of which a row has those of
-    the middle, of what slopes have in common, of the scatter, and of each slope.
+    the middle, of what slopes have in common, of the scatter, of each slope, and of the growth.
 
     Parameters
     ----------
@@ -222,19 +251,38 @@ class _Plane:
         return np.array([REACH_OF_PLACE if name == PLACE else REACH for name in self.shots.names])
 
     @property
+    def spread(self):
+        """[-] of the logarithm of the scatter."""
+        return SPREAD if self.shots.times is None else SPREAD_OF_PLIES
+
+    @property
     def size(self):
         """Number of constants."""
-        return 3 + len(self.shots.names)
+        return 3 + len(self.shots.names) + (self.shots.times is not None)
 
     def constants(self, p):
-        """Return (middle over the guess, slopes, scatter) of deviations (..., size)."""
-        slopes = self.reach * np.exp(COMMON * p[..., 1:2]) * p[..., 3:]
-        return np.exp(FIRST * p[..., :1]), slopes, SCATTER * np.exp(SPREAD * p[..., 2:3])
+        """Return (middle over the guess, slopes, scatter, growth) of deviations (..., size)."""
+        last = 3 + len(self.shots.names)
+        slopes = self.reach * np.exp(COMMON * p[..., 1:2]) * p[..., 3:last]
+        growth = GROWTH * np.exp(GROWTH_SPREAD * p[..., last:])
+        return (
+            np.exp(FIRST * p[..., :1]),
+            slopes,
+            SCATTER * np.exp(self.spread * p[..., 2:3]),
+            growth,
+        )
+
+    def over_middle(self, p):
+        """Return (..., n) velocities over the middle of packs of the plies of each shot."""
+        middle, _, _, growth = self.constants(p)
+        if self.shots.times is not None:
+            middle = middle * self.shots.times**growth
+        return self.velocity / middle
 
     def apart(self, p):
         """Return (..., n) scatters by which each shot lies on the side that its outcome says."""
-        middle, slopes, scatter = self.constants(p)
-        return self.sign * (self.velocity / middle - 1 - slopes @ self.shots.known.T) / scatter
+        _, slopes, scatter, _ = self.constants(p)
+        return self.sign * (self.over_middle(p) - 1 - slopes @ self.shots.known.T) / scatter
 
     def cost(self, p):
         """Return (...) minus the logarithm of the posterior, but for a constant."""
@@ -242,13 +290,15 @@ class _Plane:
 
     def score(self, p):
         """Return (step to the mode, information) by Fisher's scoring."""
-        middle, slopes, scatter = self.constants(p)
-        apart = self.apart(p)
+        _, slopes, scatter, growth = self.constants(p)
+        apart, over_middle = self.apart(p), self.over_middle(p)
         own = self.reach * np.exp(COMMON * p[1:2])
-        moved = [FIRST * self.velocity / middle, COMMON * (self.shots.known @ slopes)]
+        moved = [FIRST * over_middle, COMMON * (self.shots.known @ slopes)]
         moved += [*(self.shots.known * own).T]
+        if self.shots.times is not None:
+            moved.append(GROWTH_SPREAD * growth * np.log(self.shots.times) * over_middle)
         rows = [-self.sign * one / scatter for one in moved]
-        rows.insert(2, -SPREAD * apart)
+        rows.insert(2, -self.spread * apart)
         jacobian = np.array(rows).T
         log_density = -0.5 * apart * apart - 0.5 * np.log(2 * np.pi)
         slope = np.exp(log_density - log_ndtr(apart))
@@ -315,7 +365,7 @@ def fit(
         return fit(shots, guess, population, common, 4 * draws)
     kept = min(draws, KEPT)
     places = np.searchsorted(np.cumsum(weight), (np.arange(kept) + 0.5) / kept)
-    middle, slopes, scatter = plane.constants(found[places.clip(0, draws - 1)])
+    middle, slopes, scatter, growth = plane.constants(found[places.clip(0, draws - 1)])
     if population is None:
         population = shots.known if len(shots.known) else np.zeros((1, len(shots.names)))
     if common is None:
@@ -328,10 +378,11 @@ def fit(
         population,
         tuple(common),
         effective,
+        growth[:, 0] if growth.size else None,
     )
 
 
-def place(posterior: LimitPosterior, known: FloatArray) -> FloatArray:
+def place(posterior: LimitPosterior, known: FloatArray, times: float = 1.0) -> FloatArray:
     """Choose the velocities [m/s] of the next round: of each shot that whose outcome tells most of the
     constants, beside the outcomes of the shots of the round that are placed.
 
@@ -339,7 +390,9 @@ def place(posterior: LimitPosterior, known: FloatArray) -> FloatArray:
     ----------
     posterior : LimitPosterior of the shots so far
     known : (n, names) of the panels of the round
+    times : plies of the round, as in `Outcomes`
     """
+    posterior = posterior.of(times)
     joint = np.full((1, posterior.middle.size), 1 / posterior.middle.size)
     found = []
     for own in known:

@@ -9,7 +9,7 @@ nothing depends on the number of workers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import nan
@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
@@ -156,46 +157,105 @@ def study(
     strengths.check(setup, scatter)
     fired_at = table.as_fired(setup)
     guess = ballistic_limit.first_guess(fired_at.target(fired_at.table(kept=True)))
-    known = [
-        strengths.draw_known(fired_at, seed, number) for number in range(max(shots, POPULATION))
-    ]
-    names = tuple(known[0])
-    values = np.array([[*one.values()] for one in known]).reshape(len(known), len(names))
-    fired: list[Shot] = []
+    population = draw_population(fired_at, seed)
+    series = Series(tuple(strengths.draw_known(fired_at, seed, 0)), guess, shots, batch)
     posterior = None
-    with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
-        # one pool serves all rounds: starting workers takes longer than many a shot
-        runs["executor"] = pool
-        while (begun := len(fired)) < shots:
-            numbers = range(begun, min(begun + batch, shots))
-            outcomes = _list_outcomes(names, values, fired)
-            coarse = go_no_go.fit(outcomes, guess, draws=go_no_go.COARSE)
-            velocities = go_no_go.place(coarse, values[numbers])
-            rows = [
-                Row(fired_at, round(float(velocity), 2), Draw(scatter, seed, number, stride))
-                for number, velocity in zip(numbers, velocities)
-            ]
-            tell = partial(lambda begun, done, _: report(begun + done, shots), begun)
-            fired += table.run(rows, report=tell, **runs)
-            outcomes = _list_outcomes(names, values, fired)
-            last = len(fired) == shots
-            if outcomes.mixed and (within or last) and len(fired) >= min(LEAST, shots):
-                posterior = go_no_go.fit(outcomes, guess, values[:POPULATION])
-                span = posterior.velocities["V50"]
-                if span.half <= within * span.value:
-                    report(shots, shots)
-                    break
-    counted = tuple(shot for shot in fired if not shot.failure)
-    failures = tuple(shot.failure for shot in fired if shot.failure)
+
+    def choose(coarse: LimitPosterior) -> tuple[ImpactSetup, float]:
+        return fired_at, 1.0
+
+    for outcomes in series.fire(
+        choose, partial(Draw, scatter, seed, stride=stride), report, **runs
+    ):
+        last = len(series.fired) == shots
+        if outcomes.mixed and (within or last) and len(series.fired) >= min(LEAST, shots):
+            posterior = go_no_go.fit(outcomes, guess, population)
+            span = posterior.velocities["V50"]
+            if span.half <= within * span.value:
+                report(shots, shots)
+                break
+    counted, failures = series.sort()
     return Study(counted, posterior, scatter, find_unknown(setup), failures)
 
 
-def _list_outcomes(names, values, fired):
-    """Return the Outcomes of the shots that have one."""
-    counted = [shot for shot in fired if not shot.failure]
-    return Outcomes(
-        names,
-        values[[shot.number for shot in counted]].reshape(len(counted), len(names)),
-        np.array([shot.velocity for shot in counted]),
-        np.array([shot.perforated for shot in counted], bool),
-    )
+def draw_population(setup: ImpactSetup, seed: int) -> FloatArray:
+    """Draw what is known of the panels (m, names) whose limits are asked for."""
+    known = [strengths.draw_known(setup, seed, number) for number in range(POPULATION)]
+    return np.array([[*one.values()] for one in known]).reshape(POPULATION, len(known[0]))
+
+
+@dataclass
+class Series:
+    """Drawn shots, whose velocities follow from the outcomes of those before.
+
+    Parameters
+    ----------
+    names : of what is known of each panel
+    guess : [m/s] of the limit
+    shots, batch : how many, at most, and those of a round
+    varied : whether shots are fired at packs of several counts of plies
+    fired : (plies over those of the guess, known (names,), Shot) of each so far
+    """
+
+    names: tuple[str, ...]
+    guess: float
+    shots: int
+    batch: int
+    varied: bool = False
+    fired: list[tuple[float, FloatArray, Shot]] = field(default_factory=list)
+
+    def fire(
+        self,
+        choose: Callable[[LimitPosterior], tuple[ImpactSetup, float]],
+        draw: Callable[..., Draw],
+        report: Callable[[int, int], object],
+        **runs: Any,
+    ) -> Iterator[Outcomes]:
+        """Fire round after round, and yield the Outcomes of all shots so far after each.
+
+        Parameters
+        ----------
+        choose : of the posterior so far the set-up of the next round, and its plies over those of the guess
+        draw : Draw of a number
+        """
+        with open_executor(runs.get("executor", "local"), runs.get("jobs", 1)) as pool:
+            # one pool serves all rounds: starting workers takes longer than many a shot
+            runs["executor"] = pool
+            while (begun := len(self.fired)) < self.shots:
+                numbers = range(begun, min(begun + self.batch, self.shots))
+                coarse = go_no_go.fit(self.list_outcomes(), self.guess, draws=go_no_go.COARSE)
+                setup, times = choose(coarse)
+                draws = [draw(number=number) for number in numbers]
+                known = [self._list_known(setup, one) for one in draws]
+                velocities = go_no_go.place(coarse, np.array(known), times)
+                rows = [
+                    Row(setup, round(float(velocity), 2), one)
+                    for one, velocity in zip(draws, velocities)
+                ]
+                tell = partial(lambda begun, done, _: report(begun + done, self.shots), begun)
+                shots = table.run(rows, report=tell, **runs)
+                self.fired += [(times, *one) for one in zip(known, shots)]
+                yield self.list_outcomes()
+
+    def _list_known(self, setup, draw):
+        """Return (names,) what is known of a drawn panel; 0 of what makes no difference to it."""
+        found = strengths.draw_known(setup, draw.seed, draw.number)
+        return np.array([found.get(name, 0.0) for name in self.names])
+
+    def list_outcomes(self) -> Outcomes:
+        """Return the Outcomes of the shots that have one."""
+        counted = [one for one in self.fired if not one[2].failure]
+        times = np.array([times for times, *_ in counted])
+        return Outcomes(
+            self.names,
+            np.array([known for _, known, _ in counted]).reshape(len(counted), len(self.names)),
+            np.array([shot.velocity for *_, shot in counted]),
+            np.array([shot.perforated for *_, shot in counted], bool),
+            times if self.varied else None,
+        )
+
+    def sort(self) -> tuple[tuple[Shot, ...], tuple[str, ...]]:
+        """Return the shots that have an outcome, and why the others have none."""
+        shots = [shot for *_, shot in self.fired]
+        counted = tuple(shot for shot in shots if not shot.failure)
+        return counted, tuple(shot.failure for shot in shots if shot.failure)

@@ -89,6 +89,7 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
     InputError : a fabric or law that cannot be found or does not fit, named with the scene's file
         and key
     """
+    scene = _count_plies(scene, file, fabric)
     panel = getattr(scene, "panel", None)
     shot = getattr(scene, "projectile", None)
     if file is not None and shot is not None and (shot.name is not None or shot.stl is not None):
@@ -126,6 +127,23 @@ def build(scene: Any, file: FilePath | None, name: str, fabric: Fabric | None = 
         plies += [Ply(materials[key].fabric, materials[key].laws, table.angle, gap)] * table.count
     each = tuple(materials.values())
     return Case(**vars(each[0]), scene=scene, name=name, lay_up=tuple(plies), materials=each)
+
+
+def _count_plies(scene, file, given):
+    """Return the scene with the plies of the areal density that its panel states."""
+    panel = getattr(scene, "panel", None)
+    if getattr(panel, "areal_density", None) is None:
+        return scene
+    fabric = _fabric(scene.fabric, "fabric", file) if given is None else given
+    of_ply = fabric.weave.areal_density
+    try:
+        counted = panel.count_plies(of_ply)
+    except InputError as problem:
+        raise problem.changed(file=file, key=f"panel.{problem.key}") from None
+    LOG.info(
+        f"panel.areal_density: {counted.plies} plies of {fabric.name}, {counted.plies * of_ply:.3g} kg/m²"
+    )
+    return scene.model_copy(update={"panel": counted})
 
 
 def material(

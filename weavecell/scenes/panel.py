@@ -296,6 +296,16 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("export", "0: an oblique weave is not exported"),
         Unread("patch"),
     ] = 0.0
+    areal_density: Annotated[
+        quantity(
+            "areal density of a pack, from which the number of its plies follows: of whole plies that which is nearest",
+            "kg/m^2",
+            "5 kg/m^2",
+            kind="an areal density {}",
+        ),
+        Unread("export"),
+        Unread("patch", "left out: a patch is one ply of solid yarns"),
+    ] = None
     ply: Annotated[
         tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")
     ] = ()
@@ -357,6 +367,8 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
     @model_validator(mode="after")
     def _check_lay_up(self):
         """The panel with the number of the plies of its tables [[panel.ply]]."""
+        if self.areal_density is not None:
+            self.refuse("plies ply", "left out beside areal_density, from which it follows")
         if not self.ply:
             return self
         # a number that contradicts the tables would be wrong in silence
@@ -381,16 +393,42 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
                 raise InputError(key=name, allowed="left out where crossovers are pinned")
         elif self.impact_point is not None:
             self.refuse("aim_seed", "left out beside impact_point")
-        # a key of packs that changes nothing is a misunderstanding
-        if self.plies == 1:
-            for name, _ in list_unread(PackKeys, self, "ply"):
-                raise InputError(key=name, allowed="left out for a single ply")
+        if self.areal_density is None:
+            self._refuse_keys_of_packs()
         if self.weave_angle != 0:
             self.refuse("stacking", "aligned if the weave is oblique")
         if not self.length_effect and self.strength is not None:
             with placed(None, "strength."):
                 self.strength.refuse("gauge_length", "left out with length_effect = false")
         return self
+
+    def _refuse_keys_of_packs(self):
+        # one that changes nothing is a misunderstanding
+        if self.plies == 1:
+            for name, _ in list_unread(PackKeys, self, "ply"):
+                raise InputError(key=name, allowed="left out for a single ply")
+
+    def count_plies(self, of_ply: float) -> PanelTable:
+        """Return the table with the number of plies of its areal density.
+
+        Parameters
+        ----------
+        of_ply : [kg/m2] areal density of one ply
+
+        Raises
+        ------
+        InputError : fewer than one or more than `MOST_PLIES`, or a key of packs beside one ply
+        """
+        if self.areal_density is None:
+            return self
+        plies = round(self.areal_density / of_ply)
+        if not 1 <= plies <= MOST_PLIES:
+            allowed = f"that of 1 to {MOST_PLIES} plies of {of_ply:.3g} kg/m^2 each"
+            value = f"{self.areal_density:g} kg/m^2"
+            raise InputError(key="areal_density", value=value, allowed=allowed)
+        made = self.model_copy(update={"plies": plies})
+        made._refuse_keys_of_packs()
+        return made
 
     @model_validator(mode="after")
     def _check_gaps_are_between_plies(self):

@@ -44,9 +44,7 @@ class SixShots:
 
     def words(self) -> str:
         """Write V50 with its spread, or why there is none."""
-        name = (
-            f"V50 of six shots (MIL-STD-662F: {PAIRS} fastest stops, {PAIRS} slowest perforations)"
-        )
+        name = "V50 of six shots (MIL-STD-662F)"
         if self.reason:
             return f"{name} not determined, because {self.reason}"
         if self.doubt:

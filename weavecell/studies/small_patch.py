@@ -330,8 +330,8 @@ def judge(struck: Sequence[Struck], velocity: float) -> str:
     until = compare_until(struck)
     of_pinned = largest_difference(pinned, solids, until, velocity)
     of_yarns = largest_difference(yarns, solids, until, velocity)
-    found = f"over {1e6 * until:.3g} us pinned crossovers are within {of_pinned:.1%} of the strike velocity"
-    found += f" of solid yarns, resolved yarns within {of_yarns:.1%}"
+    found = f"over {1e6 * until:.3g} us pinned within {of_pinned:.1%} of the strike velocity of solid yarns"
+    found += f", resolved within {of_yarns:.1%}"
     if of_pinned <= ALIKE:
         return f"crossovers may be pinned for this nose: {found}"
     if of_yarns <= ALIKE:

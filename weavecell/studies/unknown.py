@@ -135,7 +135,7 @@ def _scrambled(name, seed, number):
 
 TEST_YARNS = "test yarns taken from the fabric; give fabric.weaving_damage"
 MEASURE_CRIMP = "measure crimp by ISO 7211-3"
-MEASURE_FRICTION = "measure friction between yarns by a pull-out (`weavecell reduce pull-out`)"
+MEASURE_FRICTION = "measure friction between yarns (`weavecell reduce pull-out`)"
 
 ROWS = (
     Unknown("place along the warp", ways.of_place(0), short=PLACE, unit="spacings", sobol=0, of_cloth=False),

@@ -163,7 +163,7 @@ def test_a_v50_study_says_what_was_fired_and_what_is_not_drawn(results):
     out = results("v50").out
     assert "projectile: a cylinder of 3 g and 5.5 mm" in out
     assert "not in these numbers, mesh: " in out
-    drawn = r"12 drawn shots, \d+ perforated: place, friction between yarns 0\.1 to 0\.3, "
+    drawn = r"12 drawn shots, \d+ pass: place, friction between yarns 0\.1 to 0\.3, "
     assert re.search(drawn, out)
 
 
@@ -251,7 +251,7 @@ def test_a_sweep_says_what_came_of_the_keys_that_vary(tmp_path):
     (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], scene)))
     over = {"projectile.strike_velocity": ["140 m/s"], "panel.opening": ["16 mm", "20 mm"]}
     table = wc.sweep(tmp_path / "scene.toml", over=over)
-    assert table.answer.over == "2 rows over panel opening"
+    assert table.answer.over == "2 rows over panel opening: 2 in flight"
     assert table.title.endswith(", shot over panel opening")
     assert table.lines()[1].startswith("panel opening 20 mm: ")
     axes = table.plot().axes[0]
@@ -267,6 +267,7 @@ def test_a_sweep_says_what_came_of_the_keys_that_vary(tmp_path):
         assert replace(table, rows=rows).answer.value == words
     rows = [{**row, "outcome": word} for row, word in zip(table.rows, ("stopped", "perforated"))]
     rows[0]["residual_velocity_m_s"], rows[1]["residual_velocity_m_s"] = 0.0, 31.4
-    ends = "0 m/s (panel opening 16 mm) to 31.4 m/s (panel opening 20 mm)"
-    told = f"residual velocity {ends}; 1 stopped, 1 perforated"
-    assert replace(table, rows=rows).answer.value == told
+    ends = "0 m/s (opening 16 mm) to 31.4 m/s (opening 20 mm)"
+    answer = replace(table, rows=rows).answer
+    assert answer.value == f"residual velocity {ends}"
+    assert answer.over.endswith(": 1 stopped, 1 perforated")

@@ -77,6 +77,7 @@ OTHERWISE = {
         f"{ROOT}/tests/shellfabric/cell/data/S-720-coarse-9x9.h5",
     ),
     "panel.opening": ({}, "30 mm"),
+    "panel.areal_density": ({}, "0.6 kg/m^2"),
     "panel.impact_point": ({}, ["1 mm", "0 mm"]),
     "panel.symmetry": ({"panel": {"impact_point": ["0 mm", "0 mm"]}}, "half"),
     "panel.aim_seed": ({"panel": {"impact_point": None}}, 3),
@@ -123,6 +124,8 @@ NAMED = {
     ("metal", "projectile.shape"): "nose_length",
     ("metal", "panel.crossovers"): "body",
     ("yarns", "panel.ply.count"): "zone",
+    ("yarns", "panel.areal_density"): "zone",
+    ("pack", "panel.areal_density"): "plies",
     ("patch", "projectile.stl_unit"): "diameter",
 }
 # by which a refusal names its model

@@ -150,7 +150,8 @@ def critical(record: ImpactRecord, setup: ImpactSetup) -> Section:
     )
     picture = chapters.energy(found, {whose: (*path, nearest)}, more)
     title = "How near the fabric came to its strength"
-    return Section("critical", title, "", (picture,))
+    # a pack has so many pictures that its page would be twice as long
+    return Section("critical", title, "", (picture,), folded=record.count > 1)
 
 
 def critical_path(record: ImpactRecord, ply: int) -> tuple[FloatArray, FloatArray]:
@@ -431,7 +432,12 @@ def measures(
         rows = [_front_row(wave, recorded) for wave in waves]
         tables = (Table(columns, tuple(rows), numeric=columns[2:]),)
     return Section(
-        f"measures{of_ply}", title, "", (tensions, strains, _cone(radii, of_ply), arrivals), tables
+        f"measures{of_ply}",
+        title,
+        "",
+        (tensions, strains, _cone(radii, of_ply), arrivals),
+        tables,
+        folded=ply is not None,
     )
 
 
@@ -481,7 +487,7 @@ def _bar(record):
     if np.isfinite(bar.swing):
         caption += f" Their period is {text(bar.swing, 's', form='.3g')}."
     figure = pictures.draw_figure("bar", caption, pictures_body.bar, bar)
-    return Section("bar", "The projectile as a bar", lead, (figure,))
+    return Section("bar", "The projectile as a bar", lead, (figure,), folded=record.count > 1)
 
 
 def _block(record):
@@ -504,7 +510,7 @@ def _block(record):
     )
     blocks = {record.title: block}
     figure = pictures.draw_figure("crater", caption, pictures_body.crater, blocks, kind="png")
-    return Section("backing", "The block behind", lead, (figure,))
+    return Section("backing", "The block behind", lead, (figure,), folded=record.count > 1)
 
 
 def dent(record: ImpactRecord) -> str:
