@@ -16,7 +16,7 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
+for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric"):
     _found = importlib.util.find_spec(_name)
     if (
         _found is not None
