@@ -88,19 +88,20 @@ def test_tangent_is_the_derivative(model):
     assert_model_tangent(model, q, load, direction)
 
 
-def test_moment_and_tensions_are_the_work_of_the_load(model):
-    """On a state that is no equilibrium too: internal forces . d(positions) by gamma, d1 and d2."""
-    load = CellLoad(model.w, (5e-6, 3e-6), 0.2)
-    q = 1e-7 * np.random.default_rng(4).standard_normal(model.size)
-    forces = model.forces(q, load)[0]
-    step = 1e-7
-    moved = [model.positions(q, CellLoad(model.w, load.d, 0.2 + s * step)) for s in (1, -1)]
-    assert model.moment(forces, load) == pytest.approx(
-        np.sum(forces * (moved[0] - moved[1])) / (2 * step), rel=1e-6
-    )
-    moved = [model.positions(q, CellLoad(model.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
-    work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
-    assert 2 * model.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
+def test_moment_and_tensions_are_the_work_of_the_load(model, four, s720):
+    """Per crossing of one or of four, on a state that is no equilibrium too: internal forces . d(positions) by
+    gamma, d1 and d2."""
+    for cell in (model, CellModel(four, s720)):
+        load = CellLoad(cell.w, (5e-6, 3e-6), 0.2)
+        q = 1e-7 * np.random.default_rng(4).standard_normal(cell.size)
+        forces = cell.forces(q, load)[0]
+        step = 1e-7
+        moved = [cell.positions(q, CellLoad(cell.w, load.d, 0.2 + s * step)) for s in (1, -1)]
+        work = np.sum(forces * (moved[0] - moved[1])) / (2 * step)
+        assert cell.crossings * cell.moment(forces, load) == pytest.approx(work, rel=1e-6)
+        moved = [cell.positions(q, CellLoad(cell.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
+        work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
+        assert 2 * cell.crossings * cell.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
 
 
 def test_stick_state_is_that_of_the_crossings_alone(model):
