@@ -84,7 +84,6 @@ class ZoneKeys:
             ),
             "yarns",
         ),
-        Unread("patch"),
     ] = None
     aim_seed: Annotated[
         int | None,
@@ -98,7 +97,6 @@ class ZoneKeys:
             ),
             "yarns",
         ),
-        Unread("patch"),
     ] = None
     crossover_friction: Annotated[
         float | None,

@@ -35,7 +35,6 @@ SECTIONS = {
         "compare",
         "reduce_tests",
         "reduce_shot",
-        "patch",
     ),
     "Tests of materials": ("coupon", "biaxial", "reduce_compression", "reduce_pull_out"),
     "The 3D crossover": (

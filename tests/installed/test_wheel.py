@@ -113,10 +113,7 @@ GROUPS = {
         "reduce pull-out S-728 peaks.csv --tension 2N --out pull-out",
         "reduce shot flight.csv --mass 3g --bandwidth 20kHz --out flight",
     ),
-    "meshes": (
-        "mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",
-        "patch ply.toml --duration 1us --out patch",
-    ),
+    "meshes": ("mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",),
     "views": (
         "impact ply.toml --out ply",
         "view ply --screenshot ply.png",

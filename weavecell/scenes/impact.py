@@ -368,7 +368,6 @@ class Scene(Table):
         AsDict(),
         Unread("limit v50", NO_HISTORY.format("the shots record")),
         Unread("sweep", NO_HISTORY.format("a sweep records")),
-        Unread("patch"),
         NoPlace("export"),
     ] = None
     accuracy: Annotated[
@@ -378,17 +377,11 @@ class Scene(Table):
             "limit v50 sweep export",
             "left out: the shots are computed on the mesh of the input file",
         ),
-        Unread("patch"),
     ] = None
     numerics: Annotated[
         NumericsTable,
         Field(description="a table [numerics]"),
         AsDict(),
-        Unread(
-            "patch",
-            "left out: solid yarns have numerical parameters of their own, and all models are compared at "
-            "their defaults",
-        ),
         NoPlace("export"),
     ] = NumericsTable()
     backing: Annotated[

@@ -42,7 +42,6 @@ LEAST = {
     "crossover.yarn": ("S-720",),
     "impact": ("S-720", "140 m/s", SMALL),
     "mesh": ("S-720",),
-    "patch": ("S-720", "140 m/s", {"opening": "26 mm"}),
     "reduce_pull_out": ("S-728", "peaks.csv", {"crossings": 10}),
     "reduce_tests": ("tests.csv",),
     "run": (wc.draw("S-720", 2, velocity="140 m/s", **SMALL),),
