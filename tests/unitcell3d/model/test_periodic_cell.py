@@ -177,6 +177,17 @@ def test_edges_push_each_other_apart_in_balance(crossing):
     assert touch(apart)[3] == 0
 
 
+@pytest.mark.parametrize("edge", [FIRST, SECOND], ids=["first", "second"])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_an_edge_that_ends_before_the_other_does_not_touch_it(edge, side, crossing):
+    """Its nearest point is its end, about which the curves would go on through each other."""
+    ended = crossing.copy()
+    ended[edge] += side * 2.9 * np.array([1, 0, 0.3 if edge is FIRST else -0.3])
+    forces, nodes, gap, force = touch(ended)
+    assert (gap, force, nodes[0]) == (np.inf, 0.0, -1)
+    assert not forces.any()
+
+
 def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):
     n = len(crossing)
     nodes = touch(crossing)[1]
