@@ -11,10 +11,11 @@ patch is one ply of its own, clamped all round and near: models are compared up 
 from __future__ import annotations
 
 from math import isfinite
+from typing import cast
 
 from fabrics.base.errors import InputError
 from validation.cases import small_patch
-from validation.cases.small_patch import COARSE, SmallPatch, Struck
+from validation.cases.small_patch import COARSE, Place, SmallPatch, Struck
 from weavecell.api import meshes, quantities
 from weavecell.api.target import resolve_target
 
@@ -57,7 +58,7 @@ def main(
     if count is None:
         count = max(small_patch.fewest_crossings(panel.setup), LEAST)
     with panel.name_problems():
-        patch = SmallPatch(panel.setup, count, struck, size, seconds)
+        patch = SmallPatch(panel.setup, count, cast("Place", struck), size, seconds)
     print(f"{panel.shot_title}: {count} x {count} crossovers of {patch.bricks:,} hexahedra,")
     print(f"struck: {struck}, friction {patch.friction:g} between yarns", flush=True)
     print(*table([strike() for strike in patch.strike()], panel.setup.strike_velocity), sep="\n")
