@@ -230,7 +230,7 @@ class BackingTable(Table, BlockKeys, IsotropicKeys):  # type: ignore[misc] # fro
 
 
 # functions that write no files of a shot
-OF_MANY = "limit v50 sweep patch export"
+OF_MANY = "limit v50 sweep export"
 
 
 class RunTable(Table):
@@ -250,7 +250,7 @@ class RunTable(Table):
 
     end_time: Annotated[
         shot_keys.END_TIME,
-        Unread("limit v50 patch"),
+        Unread("limit v50"),
     ] = 800e-6
     elements_per_crossover: shot_keys.ELEMENTS = None
     snapshot_interval: Annotated[
@@ -351,9 +351,7 @@ class Scene(Table):
     title = "S-728, 1.10 g FSP at 200 m/s"
     """
 
-    title: Annotated[string("heading of the report", "a text"), Unread("limit v50 sweep patch")] = (
-        ""
-    )
+    title: Annotated[string("heading of the report", "a text"), Unread("limit v50 sweep")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]"), AsKeywords()] = (
         FabricTable()
     )
