@@ -39,7 +39,7 @@ test-nightly: setup  ## the longest tests, of which test-slow has a cheaper kind
 
 # tests that hold computed numbers, and of `fabrics.base.sums`: they run once more as on other processors
 NUMBERS = $(addprefix tests/,test_golden.py test_processor_places.py fabrics/test_sums.py fabrics/test_laws.py \
-	validation/models shellfabric/cell shellfabric/block shellfabric/projectile weavecell/limits weavecell/runs weavecell/studies)
+	$(addprefix validation/models/test_,bare_impact.py cable_net.py smith.py) shellfabric/cell shellfabric/block shellfabric/projectile weavecell/limits weavecell/runs weavecell/studies)
 # the verdicts of the ledger, in 170 CPU s more: nightly, by `test-generic`
 VERDICTS = tests/validation/claims
 # BLAS of a processor without AVX2, and numpy's loops without it: nothing is compiled

@@ -26,7 +26,7 @@ A fibre bar has the force N = E A s(e) at the strain e = l / L - 1 (eq. 4-7: nom
 
 The functions here are plain arithmetic over the square root, the logarithm and the rounded maximum
 that they are made with: those of UFL (`unitcell3d.material.solid_law`) make expressions that dolfinx
-compiles, those of Python (`shellfabric.solids.law_kernels`) make what Numba compiles.
+compiles, those of Python (`validation.models.solids.law_kernels`) make what Numba compiles.
 """
 
 LOOSE_WIDTH = 5e-3

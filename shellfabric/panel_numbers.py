@@ -85,7 +85,6 @@ class ZoneKeys:
             ),
             "yarns",
         ),
-        Unread("patch"),
     ] = None
     aim_seed: Annotated[
         int | None,
@@ -99,7 +98,6 @@ class ZoneKeys:
             ),
             "yarns",
         ),
-        Unread("patch"),
     ] = None
     crossover_friction: Annotated[
         float | None,

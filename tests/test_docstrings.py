@@ -461,13 +461,13 @@ def test_docstrings_of_public_functions_explain_their_parameters_and_no_others(t
         expected[name] = [stars.get(one.kind, "") + one.name for one in parameters]
         found[name] = python_page.documented(function)
     assert found == expected
-    assert "**options" in found["patch"]
-    assert "patch" in python_page.passing_on()
+    assert "**options" in found["impact"]
+    assert "impact" in python_page.passing_on()
 
 
 def test_the_python_page_refuses_to_leave_a_public_function_out(tool, monkeypatch):
     python_page = tool("python_page")
-    shots = [name for name in python_page.SECTIONS["Shots"] if name != "patch"]
+    shots = [name for name in python_page.SECTIONS["Shots"] if name != "impact"]
     monkeypatch.setitem(python_page.SECTIONS, "Shots", tuple(shots))
-    with pytest.raises(ValueError, match=r"has no patch$"):
+    with pytest.raises(ValueError, match=r"has no impact$"):
         python_page.page()

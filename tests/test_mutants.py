@@ -26,7 +26,7 @@ def area(warp, weft, count):
     """w1 + w2 of a text is no sum"""
     if warp > 2 * weft:
         return warp - weft / 3, "a" + "b"
-    return count[0] * warp
+    return count[0] * warp + 0.5 * min(weft, 1)
 '''
 CHANGED = {
     "if warp >= 2 * weft:",
@@ -38,14 +38,20 @@ CHANGED = {
     'return warp - weft * 3, "a" + "b"',
     'return weft - weft / 3, "a" + "b"',
     'return warp - warp / 3, "a" + "b"',
-    "return count[1] * warp",
-    "return count[0] / warp",
-    "return count[0] * weft",
+    "return count[1] * warp + 0.5 * min(weft, 1)",
+    "return count[0] / warp + 0.5 * min(weft, 1)",
+    "return count[0] * weft + 0.5 * min(weft, 1)",
+    "return count[0] * warp - 0.5 * min(weft, 1)",
+    "return count[0] * warp",
+    "return count[0] * warp + (2 * 0.5) * min(weft, 1)",
+    "return count[0] * warp + 0.5 / min(weft, 1)",
+    "return count[0] * warp + 0.5 * max(weft, 1)",
+    "return count[0] * warp + 0.5 * min(warp, 1)",
 }
 
 
 def test_changes_are_those_of_the_arithmetic(tool):
-    """All of a small module: operators, limits, indices, partners, and a dropped term."""
+    """All of a small module: operators, limits, indices, partners, extremes, weights, and a dropped term."""
     made = tool("draw_mutants")
     found = set()
     for change in made.find_changes(TEXT):
@@ -59,8 +65,10 @@ def test_changes_are_those_of_the_arithmetic(tool):
 
 def test_a_seed_draws_the_same_defects_and_each_can_be_planted(tool):
     made = tool("draw_mutants")
-    drawn = made.draw(20, 1)
-    assert drawn == made.draw(20, 1) != made.draw(20, 2)
+    folders = ("meshing", "shellfabric/cell")
+    drawn = made.draw(20, 1, folders)
+    assert drawn == made.draw(20, 1, folders) != made.draw(20, 2, folders)
+    assert {mutant["file"].rpartition("/")[0] for mutant in drawn} == set(folders)
     for mutant in drawn:
         code = (ROOT / mutant["file"]).read_text("utf-8")
         assert code.count(mutant["text"]) == 1

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from validation.claims import claims, judge, turns
 from validation.claims.judge import BROKEN, MISSED, REPRODUCED, VERDICTS
-from validation.study import read
+from validation.csv_file import read
 
 DATA = Path(__file__).parents[1] / "docs" / "reports" / "data" / "claims.csv"
 Table = list[dict[str, str]]

@@ -21,7 +21,6 @@ import shutil
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -126,8 +125,6 @@ def list_runs() -> Iterator[tuple[str, Callable[[], object]]]:
         yield name, partial(wc.impact, "S-720", velocity, opening=opening, **options)
     frame = partial(wc.coupon, "S-720", "picture_frame")
     yield "coupons", partial(frame, shear_angle="4 deg", crossovers=2, steps=1)
-    if find_spec("gmsh"):
-        yield "woven solids", partial(wc.patch, "S-720", "60 m/s", duration="1 us")
 
 
 def main() -> None:

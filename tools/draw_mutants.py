@@ -1,10 +1,10 @@
 """Draw defects from the arithmetic of the product: where and which is decided by a seed, not by hand.
 
-    python tools/mutants.py --draw 40 --seed 1 --out results/drawn.csv
+    python tools/mutants.py --draw 40 --seed 1 --out results/drawn.csv [--of meshing unitcell3d ...]
 
 A sum becomes a difference and the other way round, a product a quotient, a comparison takes its limit in or
-leaves it out, an index 0 becomes 1, a number of warp is taken from the weft, a term of a sum is dropped. Which
-of them change nothing has to be judged by reading.
+leaves it out, an index 0 becomes 1, a number of warp is taken from the weft, a minimum becomes a maximum, a
+weight its double, a term of a sum is dropped. Which of them change nothing has to be judged by reading.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import ast
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +28,7 @@ COMPARISONS = {
 }
 # names that have a partner, by their end or as a whole
 PARTNERS = (("warp", "weft"), ("1", "2"))
+EXTREMES = {"min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum"}
 MOST_FILES = 4  # of tests, that name the file of a defect
 
 
@@ -80,8 +81,13 @@ def find_changes(text: str) -> Iterator[Change]:
             at = place(node.slice.lineno, node.slice.col_offset)
             other = str(1 - node.slice.value)
             yield Change(at, at + 1, other, f"index {node.slice.value} became {other}")
+        elif isinstance(node, ast.Constant) and type(node.value) is float and node.value:
+            at = place(node.lineno, node.col_offset)
+            yield Change(at, end, f"(2 * {text[at:end]})", f"{text[at:end]} became its double")
         elif isinstance(node, (ast.Name, ast.Attribute)) and isinstance(node.ctx, ast.Load):
             name = getattr(node, "id", None) or node.attr
+            if other := EXTREMES.get(name):
+                yield Change(end - len(name), end, other, f"{name} became {other}")
             for pair in PARTNERS:
                 for one, other in (pair, pair[::-1]):
                     partner = re.sub(f"{one}$", other, name)
@@ -98,15 +104,16 @@ def _is_text(node: ast.AST) -> bool:
     return isinstance(node, (ast.Constant, ast.JoinedStr)) and not _number(node)
 
 
-def draw(count: int, seed: int) -> list[dict]:
+def draw(count: int, seed: int, folders: Sequence[str] = PACKAGES) -> list[dict]:
     """Draw defects, as `mutants.toml` has them; each place is as likely as any other.
 
     Parameters
     ----------
     count : of defects
     seed : of the random numbers; the same seed draws the same of the same code
+    folders : of the files, such as "shellfabric/cell"
     """
-    drawn = random.Random(seed).sample(_find_places(), count)
+    drawn = random.Random(seed).sample(_find_places(tuple(folders)), count)
     found = []
     for number, (file, change) in enumerate(drawn, 1):
         text = (ROOT / file).read_text("utf-8")
@@ -126,11 +133,11 @@ def draw(count: int, seed: int) -> list[dict]:
 
 
 @cache
-def _find_places() -> list[tuple[Path, Change]]:
-    """Find all changes of the product, each with its file."""
+def _find_places(folders: tuple[str, ...]) -> list[tuple[Path, Change]]:
+    """Find all changes of the files of some folders, each with its file."""
     places = []
-    for package in PACKAGES:
-        for file in sorted((ROOT / package).rglob("*.py")):
+    for folder in folders:
+        for file in sorted((ROOT / folder).rglob("*.py")):
             changes = sorted(set(find_changes(file.read_text("utf-8"))))
             places += [(file.relative_to(ROOT), change) for change in changes]
     return places

@@ -6,7 +6,7 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 
-from validation.study import read
+from validation.csv_file import read
 
 DATA = Path(__file__).parents[1] / "docs" / "reports" / "data" / "errata.csv"
 HEAD = """# Errata of the thesis, in full

@@ -68,7 +68,7 @@ def draw(table: Sequence[Mapping[str, str]], quantities: Sequence[Mapping[str, s
 
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1]))
-    from validation import study
+    from validation import csv_file
 
     names = ("measured", "measured-quantities")
-    draw(*(study.read(study.DATA / f"{name}.csv")[1] for name in names)).savefig(sys.argv[1])
+    draw(*(csv_file.read(csv_file.DATA / f"{name}.csv")[1] for name in names)).savefig(sys.argv[1])

@@ -194,6 +194,9 @@ def main() -> None:
         "--draw", type=int, default=0, help="plant so many drawn defects, not those of mutants.toml"
     )
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument(
+        "--of", nargs="+", metavar="FOLDER", default=draw_mutants.PACKAGES, help="drawn from these"
+    )
     parser.add_argument("--commit", default="HEAD", help="of which the tree is tested")
     parser.add_argument(
         "--work", type=Path, default=Path(tempfile.gettempdir()) / "weavecell-mutants"
@@ -214,7 +217,7 @@ def main() -> None:
         print(output)
         sys.exit(code)
     if chosen.draw:
-        mutants = draw_mutants.draw(chosen.draw, chosen.seed)
+        mutants = draw_mutants.draw(chosen.draw, chosen.seed, chosen.of)
     else:
         mutants = tomllib.loads((ROOT / "tools" / "mutants.toml").read_text())["mutant"]
     for mutant in mutants:

@@ -44,7 +44,7 @@ from shellfabric.guards import ENERGY_ERROR_LIMIT  # noqa: E402
 from shellfabric.membrane.numerics import Numerics  # noqa: E402
 from shellfabric.membrane.quality import CHECKS  # noqa: E402
 from shellfabric.plies.numerics import PlyContact  # noqa: E402
-from validation.study import DATA, read  # noqa: E402
+from validation.csv_file import DATA, read  # noqa: E402
 
 ASSUMED = {
     place: tomllib.loads((ROOT / place).read_text("utf-8"))

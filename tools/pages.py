@@ -33,7 +33,7 @@ from shellfabric.impact.proposals import PROPOSALS  # noqa: E402
 from shellfabric.membrane import quality  # noqa: E402
 from shellfabric.membrane.indicator import Check  # noqa: E402
 from validation import stale as moved  # noqa: E402
-from validation.study import read  # noqa: E402
+from validation.csv_file import read  # noqa: E402
 from weavecell.studies import (  # noqa: E402
     biaxial_fit,
     contact_share,

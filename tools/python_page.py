@@ -36,7 +36,6 @@ SECTIONS = {
         "plies",
         "reduce_tests",
         "reduce_shot",
-        "patch",
     ),
     "Tests of materials": ("coupon", "biaxial", "reduce_compression", "reduce_pull_out"),
     "The 3D crossover": (

@@ -3,6 +3,7 @@
     python -m validation study      studies of validation/studies: what they vary and read off (`validation.study`)
     python -m validation claims     the ledger of the thesis's claims
     python -m validation stale      which CSVs of studies the code no longer computes (`validation.stale`)
+    python -m validation patch      whether crossovers may be pinned for a nose, by woven solid yarns
     python -m validation measured   what was measured against what is computed: bias, scatter, u_val
 
 Each has --help.
@@ -12,13 +13,13 @@ from __future__ import annotations
 
 import sys
 
-from validation import runner, stale
+from validation import patch, runner, stale
 from validation.claims import command as claims
 from validation.measured import command as measured
 from validation.program import program
 from weavecell.results import out_folder, termination
 
-PROGRAMS = {"study": runner, "stale": stale, "claims": claims, "measured": measured}
+PROGRAMS = {"study": runner, "stale": stale, "claims": claims, "measured": measured, "patch": patch}
 
 
 def main(arguments: list[str]) -> None:

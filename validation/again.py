@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.errors import InputError, WeavecellError
-from validation import golden, judges, runner, study
+from validation import csv_file, golden, judges, runner, study
 from validation.cases import impact
 from validation.golden import Golden
 from validation.study import NAMES, Row, Study
 from validation.values import Values
 
-DIGITS = 5  # of a number in a CSV, of `study.text`
+DIGITS = 5  # of a number in a CSV, of `csv_file.text`
 BEYOND = 0.1  # of the width of a bracket, by which the two shots lie outside of it
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?")
 
@@ -123,7 +123,7 @@ def beside(run: str, row: str, keywords: Values, low: float, high: float) -> Cel
             impact.first_failure(**keywords)
     except WeavecellError as problem:
         found = str(problem)
-    return Cell(row, column, study.text([False, True]), found)
+    return Cell(row, column, csv_file.text([False, True]), found)
 
 
 def agrees(kept: str, cell: Cell, rules: Golden) -> bool:
@@ -145,9 +145,9 @@ def agrees(kept: str, cell: Cell, rules: Golden) -> bool:
 
 
 def exact(value: Any) -> str:
-    """Write a value as `study.text` does, with all its digits."""
+    """Write a value as `csv_file.text` does, with all its digits."""
     if isinstance(value, (float, np.floating)) and not isnan(value):
         return repr(float(value))
     if isinstance(value, (list, tuple, np.ndarray)):
         return " / ".join(map(exact, value))
-    return study.text(value)
+    return csv_file.text(value)

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from fabrics.base.errors import InputError
 from fabrics.base.schema import Table, as_tuple, described, number, string, validated
-from validation import study
+from validation import csv_file, study
 from validation.study import Row, Study
 
 TOLERANCE = 1e-9
@@ -120,7 +120,7 @@ def kept_row(chosen: Study, row: Row, records: Sequence[dict[str, str]]) -> dict
     ------
     InputError : there is none, or more than one
     """
-    labels = {heading(chosen, key): study.text(value) for key, value in row.labels.items()}
+    labels = {heading(chosen, key): csv_file.text(value) for key, value in row.labels.items()}
     found = [one for one in records if labels.items() <= one.items()]
     if len(found) != 1:
         raise InputError(
@@ -137,7 +137,7 @@ def heading(chosen: Study, key: str) -> str:
 
 def name(row: Row) -> str:
     """Name a case by its labels."""
-    return ", ".join(f"{key} = {study.text(value)}" for key, value in row.labels.items())
+    return ", ".join(f"{key} = {csv_file.text(value)}" for key, value in row.labels.items())
 
 
 def places(chosen: Study, records: Sequence[dict[str, str]]) -> list[int]:

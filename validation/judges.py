@@ -24,8 +24,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from validation.csv_file import Record
+from validation.filling import merged
 from validation.richardson import extrapolate
-from validation.study import Record, Row, Study, evaluated, merged, record
+from validation.study import Row, Study, evaluated, record
 from validation.values import Values
 
 Solver: TypeAlias = Callable[[Sequence[Row]], list[tuple[Row, Values, Values]]]

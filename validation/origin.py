@@ -21,7 +21,7 @@ from pathlib import Path
 
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError
-from validation import study
+from validation import csv_file
 from validation.study import Study
 from weavecell.results import provenance
 
@@ -131,10 +131,10 @@ def refuse_changes(folder: Path) -> None:
     ------
     InputError : files of the code are changed or new, and the folder is docs/reports/data
     """
-    if folder.resolve() == study.DATA.resolve() and changes():
+    if folder.resolve() == csv_file.DATA.resolve() and changes():
         raise InputError(
             f"takes files of committed code alone, and {', '.join(changes())} is not as committed",
-            file=study.DATA,
+            file=csv_file.DATA,
             allowed="after a commit, or another folder by --out",
         )
 

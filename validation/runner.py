@@ -18,8 +18,10 @@ from typing import Any
 
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError, WeavecellError
-from validation import cases, golden, judges, origin, study
-from validation.study import DATA, NAMES, Record, Row, Study, merged, of, record
+from validation import cases, csv_file, golden, judges, origin, study
+from validation.csv_file import DATA, Record
+from validation.filling import merged
+from validation.study import NAMES, Row, Study, of, record
 from validation.values import Values
 
 KEPT = Path("results/studies")
@@ -174,10 +176,10 @@ def main(
         headings = chosen.content.get("columns")
         places: list[int] = []
         if not quick:
-            places = golden.places(chosen, study.texts(records, headings))
+            places = golden.places(chosen, csv_file.texts(records, headings))
         seconds = f"{sum(spent.values()):.3g}"
         made = origin.write(f"study {name}{words}", origin.inputs_of(chosen), seconds, places)
-        study.write(path, records, made, headings)
+        csv_file.write(path, records, made, headings)
         print(f"{name}: {len(records)} rows in {path}")
         if quick:
             continue

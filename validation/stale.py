@@ -23,10 +23,11 @@ from pathlib import Path
 
 from fabrics.base.errors import InputError
 from fabrics.base.files import write_whole
-from validation import again, golden, origin, study
+from validation import again, csv_file, golden, origin, study
 from validation.again import Cell, Outcome
+from validation.csv_file import DATA
 from validation.golden import Golden
-from validation.study import DATA, Study
+from validation.study import Study
 
 LIST = Path(__file__).parent / "moved.csv"
 HEADINGS = ("study", "row", "column", "kept", "now", "since", "reason")
@@ -69,7 +70,7 @@ def main(names: Sequence[str] = (), *, within: float = 0.0, known: str = "") -> 
     verdicts = []
     without = [this for this in chosen if golden.table(this).none]
     for this in [*cheap, *without]:
-        made, records = study.read(DATA / f"{this.name}.csv")
+        made, records = csv_file.read(DATA / f"{this.name}.csv")
         outcome = again.compare(this, records)
         outcome.moves.extend(changed_inputs(this, made))
         if known:
@@ -125,7 +126,7 @@ def judge(this: Study, outcome: Outcome, listed: Sequence[Listed]) -> Verdict:
     known = 0
     for move in outcome.moves:
         entry = find(move, entries, rules)
-        line = f"{move.row}: {move.column}: {move.kept} -> {study.text(move.now)}"
+        line = f"{move.row}: {move.column}: {move.kept} -> {csv_file.text(move.now)}"
         if entry is not None:
             known += 1
             line += f" (since {entry['since']}: {entry['reason']})"
@@ -171,7 +172,7 @@ def relisted(
                 move.row,
                 move.column,
                 move.kept,
-                study.text(move.now),
+                csv_file.text(move.now),
                 today,
                 reason,
             )

@@ -28,14 +28,11 @@ A case that ends with an error has it in the column "problem".
 
 from __future__ import annotations
 
-import csv
-import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import product
-from math import isnan
 from operator import or_
 from pathlib import Path
 from types import SimpleNamespace
@@ -44,11 +41,11 @@ from typing import Any
 import numpy as np
 
 from fabrics.base.errors import InputError
-from fabrics.base.files import write_whole
 from validation import cases
+from validation.csv_file import Record
+from validation.filling import filled, merged
 
 FOLDER = Path(__file__).parent / "studies"
-DATA = Path(__file__).parents[1] / "docs" / "reports" / "data"
 _NUMPY = (
     "abs all any arange array corrcoef degrees diff exp interp isnan log max mean median min nan "
     "polyfit sqrt std sum"
@@ -67,7 +64,6 @@ NAMES: Record = {name: getattr(np, name) for name in _NUMPY.split()} | {
     "rises": lambda values: bool(np.all(np.diff(values) > 0)),
     "falls": lambda values: bool(np.all(np.diff(values) < 0)),
 }
-Record = dict[str, Any]  # {column: value} of a row of the CSV
 
 
 @dataclass(frozen=True)
@@ -156,44 +152,6 @@ def values(heading: str, entry: Any) -> Sequence[Any]:
     return [entry]
 
 
-def merged(first: Record, changes: Record) -> Record:
-    """Merge changes into a table; tables in it are merged as well."""
-    both = dict(first)
-    for key, value in changes.items():
-        inner = both.get(key)
-        if isinstance(value, dict) and isinstance(inner, dict):
-            value = merged(inner, value)
-        both[key] = value
-    return both
-
-
-def filled(
-    entry: Any,
-    chosen: Record,
-    used: set[str] | None = None,
-    shown: Callable[[Any], str] | None = None,
-) -> Any:
-    """Fill the values of {key} into the texts of an entry, as `shown`; a text of a key alone
-    becomes its value."""
-    if isinstance(entry, Mapping):
-        return {
-            filled(key, chosen, used, shown): filled(value, chosen, used, shown)
-            for key, value in entry.items()
-        }
-    if isinstance(entry, list):
-        return [filled(value, chosen, used, shown) for value in entry]
-    if not isinstance(entry, str):
-        return entry
-    found = [key for key in re.findall(r"\{([\w. -]*)\}", entry) if key in chosen]
-    if used is not None:
-        used.update(found)
-    if found and entry == f"{{{found[0]}}}":
-        return chosen[found[0]]
-    for key in found:
-        entry = entry.replace(f"{{{key}}}", (shown or text)(chosen[key]))
-    return entry
-
-
 def all_names() -> list[str]:
     """List all studies."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
@@ -257,48 +215,3 @@ def unmet(study: Study, records: Sequence[Record]) -> list[str]:
     return [
         expression for expression in study.content.get("expect", []) if not eval(expression, known)
     ]
-
-
-def text(value: Any) -> str:
-    """Write a value as it stands in the CSV: numbers with five digits, sequences with strokes
-    between."""
-    if value is None or (isinstance(value, float) and isnan(value)):
-        return ""
-    if isinstance(value, (bool, np.bool_)):
-        if value:
-            return "yes"
-        return "no"
-    if isinstance(value, (float, np.floating)):
-        return f"{value:.5g}"
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return " / ".join(map(text, value))
-    return str(value)
-
-
-def texts(
-    records: Sequence[Record], headings: Mapping[str, str] | None = None
-) -> list[dict[str, str]]:
-    """Return records as the rows {heading: text} of their CSV, each with all columns."""
-    columns: Record = reduce(or_, records, {})
-    shown = dict(zip(columns, columns)) | dict(headings or {})
-    return [{shown[key]: text(one.get(key)) for key in columns} for one in records]
-
-
-def write(
-    path: Path, records: Sequence[Record], made: str = "", headings: Mapping[str, str] | None = None
-) -> None:
-    """Write records as CSV; `made`, if given, says how in a first line, and `headings` are those of columns."""
-    rows = texts(records, headings)
-    with write_whole(path) as file:
-        if made:
-            file.write(f"# {made}\n")
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def read(path: Path) -> tuple[str, list[dict[str, str]]]:
-    """Read a CSV of `write`: (how it was made, rows)."""
-    with open(path, encoding="utf-8", newline="") as file:
-        made = file.readline().removeprefix("#").strip()
-        return made, list(csv.DictReader(file))

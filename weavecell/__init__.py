@@ -16,7 +16,7 @@ import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric", "validation"):
+for _name in ("fabrics", "meshing", "unitcell3d", "shellfabric"):
     _found = importlib.util.find_spec(_name)
     if (
         _found is not None
@@ -36,6 +36,8 @@ REMOVED = {
     "show_projectile": "use `show`",
     "show_backing": "use `show`",
     "projectile": "give the keyword a dict: projectile={'name': 'FSP 1.10 g', 'obliquity': '30 deg'}",
+    "patch": "resolved yarns judge whether crossovers may be pinned; `python -m validation patch` in a clone strikes "
+    "solid yarns",
     "draws": "use `sweep` over the key panel.strength.seed",
     "sensitivity": "use `sweep` with one_at_a_time; examples/sobol_indices.py has Sobol indices",
 }

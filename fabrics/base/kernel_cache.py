@@ -42,7 +42,7 @@ MODELS = {
     "shellfabric.coupon": ("coupons", "a minute or two"),
     "shellfabric.yarns": ("resolved yarns", "up to two minutes"),
     "shellfabric.metal": ("a bullet of metal", "up to two minutes"),
-    "shellfabric.solids": ("woven solids", "up to two minutes"),
+    "validation.models.solids": ("woven solids", "up to two minutes"),
     "validation.models.cable": ("the cable net", "a minute or two"),
 }
 # folders that define the named tuples which kernels take: their layout is part of every digest

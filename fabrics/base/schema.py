@@ -399,7 +399,7 @@ def quantity(
         return value
 
     bounds = ("of at least 0" if zero else "above 0") + (f" and at most {most}" if most else "")
-    words = (kind or f"{_KINDS[unit]} {{}}").format(bounds)
+    words = (kind or f"{_KINDS.get(unit, f'a value in {unit}')} {{}}").format(bounds)
     allowed = f'{words}, such as "{example}"'
     if not ranged:
         return from_text(float, convert, meaning, allowed, unit, example)

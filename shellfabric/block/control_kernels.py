@@ -1,29 +1,12 @@
 """The hourglass control of a block: springs with the stiffness of its bricks as they are, which flow
-with its material, and the volumes of the corners.
+with its material, and the volumes of the corners (equations: docs/theory-panel.md, "Backing block").
 
-**Springs.** The four modes of a brick of mean deformation F, with h and b as in `brick_kernels`, c_m
-the shape in which they bear no force, and g_c = F^-T e_c the slopes of the edges' coordinates:
-
-    q_m = sum_a h_ma x_a - F c_m,
-    W = 1/2 sum_mc w_mc (G |q_m|^2 |g_c|^2 + (E - G) (q_m . g_c)^2)
-
-W is the energy of the 2 x 2 x 2 rule in the same mode at any F, times the factor f: a brick that is
-flattened to a share s of its height is 1 / s^2 times as stiff (physical stabilisation: Belytschko
-and Bindeman 1993, Puso 2000). Its stress is the mean of Mises' over the points, since the modes are
-orthogonal to a constant:
-
-    q_h = (6 f G W / V)^(1/2)
-
-It relaxes with the flow of the brick, dq_h = -3 f G q_h / sigma d(alpha) (Prandtl and Reuss, linear
-about the mean stress), and is at most the flow stress sigma. What relaxes moves c_m.
-
-**Corners.** J_a, the triple product of the edges at a corner over that at rest, against J = det F
-(sub-zonal pressures: Caramana and Shashkov 1998):
-
-    U = f G V / 16 sum_a ln^2 (J_a / J)
-
-Flow does not limit it, since it is a volume; no corner can be turned inside out without much work.
-The mean deformation alone, and springs that flow, leave that free: bricks under a dent fold.
+The energy of the springs is that of the 2 x 2 x 2 rule in the same mode at any F, times the factor
+f: a brick that is flattened to a share s of its height is 1 / s^2 times as stiff (physical
+stabilisation: Belytschko and Bindeman 1993, Puso 2000). Their stress q_h is the mean of Mises' over
+the points, since the modes are orthogonal to a constant; it relaxes with the flow of the brick
+(Prandtl and Reuss, linear about the mean stress). Corners are sub-zonal pressures (Caramana and
+Shashkov 1998), which flow does not limit, since J_a is a volume: bricks under a dent fold without.
 """
 
 import math

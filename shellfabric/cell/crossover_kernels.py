@@ -1,39 +1,13 @@
-"""The biaxial crossover, solved as one monotone equation in the contact force (thesis section
-4.3.1).
-
-Yarn i keeps a cosine centreline of height h_i over the half length w_i = Lambda_i w0_i (eq. 4-1).
-With k = pi h / 2 w,
-
-    S(w, h)  = (4 w / pi) E(-k^2)                                    length of the yarn (eq. 4-3)
-    T        = EA (S - S0) / S0,  S >= S0                            tension (eq. 4-7)
-    F        = 2 T sin(alpha), sin(alpha) = k / sqrt(1 + k^2)        equilibrium form (eqs. 4-8, 4-10)
-    F        = T dS/dh / q                                           variational form: the gradient of the energy
-
-A cosine presses along its whole length. F is the resultant of that load; what works on a change of
-height is q F, with q = pi / 4 to the first order of the crimp (docs/theory-cell.md). The law of
-compression is one of the resultant, to which it is fitted in 3D; the yarns store q times its work,
-so that forces are the gradient of W with any law. The equilibrium form presses at the crossing
-alone, q = 1.
-
-Where a weave has floats, a yarn changes sides over a share f of its way alone (`yarn_kernels.floating`).
-F is then the mean over the crossings: in both forms f times as much at the same height and tension.
-
-Yarns that are straight from crossing to crossing (`yarn_kernels`) press at the crossing alone too:
-both forms then have one F, that of q = 1, and differ in the forces N.
-
-Both forms make h_i a rising function of F, and so is the compression d_i(F). The crossover closes
-where
+"""The biaxial crossover, solved as one monotone equation in the contact force (docs/theory-cell.md,
+"Unit cell"; thesis section 4.3.1; errata E-05, E-06, E-09, E-10).
 
     r(F) = h_1(F) + h_2(F) + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (eq. 4-13)
 
-which has one root at most. Contact is lost exactly where r(0) >= 0 at the free heights (errata
-E-05, E-06, E-09, E-10).
-
-A yarn under tension gives way less: its fibres cannot move aside. With the stiffening s and the
-yarn's strain e, the force at one compression grows in proportion, F = (1 + s e) f(d), where f is
-the law. The work of compression then depends on the length of the yarn, (1 + s e) u(d), so that in
-the variational form the yarn pulls harder by its slope, q s u(d) / S0. The equilibrium form leaves
-that out.
+has one root at most, since heights and compressions rise with F. Contact is lost exactly where r(0)
+>= 0 at the free heights. Where a weave has floats, a yarn changes sides over a share f of its way
+alone (`yarn_kernels.floating`): F, the mean over the crossings, is f times as much in both forms.
+Yarns that are straight from crossing to crossing press at the crossing alone: both forms then have
+one F, that of q = 1, and differ in the forces N.
 """
 
 import math

@@ -1,23 +1,15 @@
 """Yarn pull-out coupon: one yarn drawn out of crossovers that are held, while the yarns that it
-crosses are in tension.
-
-The test is quasi-static. Between two crossovers the yarn has the axial force T(x) of the cell at
-its stretch x; the piece of yarn there is 1/x times the piece that fills the cell. At each crossover
-that the yarn slides through
-
-    T_ahead - T_behind = c0 + mu F_c(x),    x the mean of the two stretches
-
-Ahead is towards the crosshead. From the stretch behind a crossover follows the stretch ahead of it,
-and so on up to the crosshead. What the crosshead has drawn out is what the pieces hold less than at
-first, and what has come from the tail.
+crosses are in tension; quasi-static (docs/theory-panel.md, "Yarn pull-out"). From the stretch behind
+a crossover follows the stretch ahead of it, and so on up to the crosshead. What that has drawn out is
+what the pieces hold less than at first, and what has come from the tail.
 
 1. The front of slip runs from the crosshead to the tail. Behind it the yarn is slack and lies still.
 2. All crossovers slide, and the tail moves on.
 3. The tail leaves one crossover after the other.
 
-The contact force of the cell is that of perfectly flexible yarns: a yarn without tension does not
-press back, however much the crossing yarns are stretched. With mu alone there is then no load; the
-cohesion is what it begins with. Yarns that resist bending press back (`contact_force`).
+The contact force of the cell is that of flexible yarns: one without tension does not press back. With
+mu alone there is then no load; the cohesion is what it begins with. Yarns that resist bending press
+back (`contact_force`).
 """
 
 from __future__ import annotations

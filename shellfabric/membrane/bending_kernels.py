@@ -1,19 +1,12 @@
 """Resistance of yarns to bending, out of the fabric's plane and in it, at the nodes along each grid
-line.
+line (docs/theory-panel.md, "Bending and packing"). With t1, t2 the unit tangents of the segments
+e = l t before and after a node, and B = n EI / L of the n yarns that the line stands for,
 
-With t1, t2 the unit tangents of the segments before and after a node, L their (mean) length at rest
-and B = n EI / L, n being the yarns that the line stands for, the turn of the yarn stores
+    1/2 B |t2 - t1|^2 = B (1 - t1.t2),   dE/de1 = -B (t2 - (t1.t2) t1) / l1,   dE/de2 = -B (t1 - (t1.t2) t2) / l2
 
-    1/2 B |t2 - t1|^2 = B (1 - t1.t2),          that is 1/2 (EI / L) (kappa L)^2 a yarn, with kappa L = 2 sin(turn / 2)
-
-Forces are its exact gradient: on a segment e = l t
-
-    dE/de1 = -B (t2 - (t1.t2) t1) / l1,         dE/de2 = -B (t1 - (t1.t2) t2) / l2
-
-A rigid motion costs nothing. Where a yarn ends in a clamp its first tangent turns against that at
-rest, over half a segment: 2 B. On a plane of symmetry it turns against its own image; half of that
-turn is the modelled part's. At a free end nothing turns. A turn keeps the part of it that both its
-segments keep (see `membrane_kernels` for alpha).
+A clamp has 2 B, over half a segment. On a plane of symmetry a tangent turns against its own image;
+half of that turn is the modelled part's. At a free end nothing turns. A turn keeps the part of it
+that both its segments keep (see `membrane_kernels` for alpha).
 """
 
 import math

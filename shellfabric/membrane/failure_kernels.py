@@ -1,27 +1,13 @@
-"""Failure of yarns: criterion, removal and energies. Forces of damaged elements: `damage_kernels`.
+"""Failure of yarns: criterion, removal and energies (docs/theory-panel.md, "Failure of yarns"). Forces
+of damaged elements: `damage_kernels`.
 
-What fails is an edge: the piece of a grid line between two nodes, which stands for a bundle of
-fibres as wide as the line. Each line breaks by itself, at one place. What is held against the
-strength T_u of the yarn that is nearest to the line is a tension averaged over one fixed length l
-across the fibres (`Fabric.failure_length`), and over the time that a wave needs across it:
-
-    M(y) = int k(y - y') phi T dy' / int k(y - y') phi dy',     k(y) = max(0, 1 - |y| / l)
-    dF/dt = (M - F) / t_f,   t_f = 2 max(l, h) / c_w,           the edge breaks where F > T_u
-
-phi is 1 of a whole edge and 0 of a broken one: a hole must not shield its rim. h is the length of
-the edge, c_w the wave speed along the yarn in the weave. Both lengths are needed. The first wave in
-a crimped yarn is a shock, which a mesh overshoots by up to two thirds for about the time that a
-wave needs across an element; and beside the rim of a nose the tension of a membrane is singular, so
-that without a length it grows with every finer mesh. M is the exact integral over lines of constant
-tension (`membrane.failure.mean_weights`).
-
-F follows M only where one of them is above half of the strength, and is half of it elsewhere:
-fabric that is far from failure costs nothing. The reported peak is the smaller of M and F. The
-strength is that of the yarn, or follows the strain rate (`criterion_kernels`).
-
-What has broken is gone for good, its mass stays. The yarns that cross it lose the contact with it:
-see `membrane_kernels` for alpha and kappa. What it stored is counted as lost, with the half step in
-which its old force has acted.
+What fails is an edge, the piece of a grid line between two nodes. Each line breaks by itself, at one
+place, where F > T_u: F follows M over the time t_f, and M is the mean of the tension across the
+fibres, the exact integral over lines of constant tension (`membrane.failure.mean_weights`). Where
+neither is above half of the strength F is half of it: fabric that is far from failure costs nothing.
+The strength is that of the nearest yarn, or follows the strain rate (`criterion_kernels`). Yarns
+that cross a broken edge lose the contact with it: see `membrane_kernels` for alpha and kappa. What
+it stored is counted as lost, with the half step in which its old force has acted.
 """
 
 import numpy as np

@@ -43,6 +43,7 @@ from shellfabric.jit.simd import (
     masked_store,
     maximum,
     minimum,
+    reduce_add,
     rsqrt,
     shift_in_prev,
     store,
@@ -50,7 +51,6 @@ from shellfabric.jit.simd import (
 from shellfabric.state import REDO, WARP, WEFT, unit
 
 ONE = np.uint64(1)
-SUM = {"reassoc", "nsz", "contract"}  # lets LLVM add up in any order, in vectors
 
 
 @kernel()
@@ -242,24 +242,55 @@ def bounded_by_tension(damping, N):
     return minimum(maximum(damping, 0.0 - most), most)
 
 
-@kernel(_nrt=False, fastmath=SUM)
+@kernel(_nrt=False, forceinline=True)
+def edge_work(again, cv, length, stretch, N, kept):
+    """Compute twice (work of N, work of the viscous force) [J] of an edge in a step: the trapezoid of
+    the force over the change of stretch."""
+    L, P, last = kept
+    if again:
+        d = last
+    else:
+        d = stretch - L
+    part = length * d
+    now = bounded_by_tension(cv * d, N)
+    return part * (N + P), part * (now + bounded_by_tension(cv * last, P))
+
+
+@kernel(_nrt=False)
 def step_work(again, cv, k, length, stretch, N, kept):
-    """Compute (work of N, work of the viscous force) [J] of a step: the trapezoid of the force over
-    the change of stretch."""
+    """Compute (work of N, work of the viscous force) [J] of the edges in a step.
+
+    Eight sums side by side, of every eighth edge, and those behind the last eight: one order of
+    adding on every processor.
+    """
     L, P, D = kept
-    work = 0.0
-    viscous = 0.0
-    for j in range(stretch.size):
-        last = np.float64(D[j])
-        if again:
-            d = last
-        else:
-            d = stretch[j] - L[j]
-        part = length[j] * d
-        work += part * (N[j] + P[j])
-        c = item_or_scalar(cv, np.uint64(k + j))
-        now = bounded_by_tension(c * d, np.float64(N[j]))
-        viscous += part * (now + bounded_by_tension(c * last, np.float64(P[j])))
+    tail = stretch.size - stretch.size % WIDTH
+    works = broadcast(0.0)
+    viscous_works = broadcast(0.0)
+    for j in range(0, tail, WIDTH):
+        each = edge_work(
+            again,
+            load_or_broadcast(cv, k + j),
+            load(length, j),
+            load(stretch, j),
+            load(N, j),
+            (load(L, j), load(P, j), load(D, j)),
+        )
+        works = works + each[0]
+        viscous_works = viscous_works + each[1]
+    work = reduce_add(works)
+    viscous = reduce_add(viscous_works)
+    for j in range(tail, stretch.size):
+        one = edge_work(
+            again,
+            item_or_scalar(cv, np.uint64(k + j)),
+            length[j],
+            stretch[j],
+            np.float64(N[j]),
+            (L[j], np.float64(P[j]), np.float64(D[j])),
+        )
+        work += one[0]
+        viscous += one[1]
     return 0.5 * work, 0.5 * viscous
 
 

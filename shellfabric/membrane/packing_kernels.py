@@ -1,14 +1,5 @@
-"""Packed fabric: an element keeps a share of its area at rest.
-
-A membrane of yarns has no stiffness in compression. Where fabric is torn, bunched up or free,
-nothing holds its elements open: they would contract to points. Real yarns lie side by side. An
-element of the area A (A0 at rest) stores
-
-    U = A0 P (s - A / A0)^2 / 2 s     if A < s A0,     P = E_c t_s     (`fabrics.ply_laws.packing_stiffness`)
-
-where s is the share of its area that packed fabric keeps (`packed_area` of
-fabrics/data_sheet.toml). A is the area of the parallelogram of the mean sides, half the cross
-product of the diagonals:
+"""Packed fabric: an element keeps a share of its area at rest (docs/theory-panel.md, "Bending and
+packing"; `fabrics.ply_laws.packing_stiffness`, `packed_area` of fabrics/data_sheet.toml).
 
     a = mean warp side / dx,     b = mean weft side / dy,     A / A0 = |a x b|
 

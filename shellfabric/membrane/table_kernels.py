@@ -2,16 +2,10 @@
 (biquadratic).
 
 Beyond the table, which ends 2 % above the strength, come lines beside a yarn that has failed: they
-stand for a part of its fibres and are drawn out far. With the local coordinates p, q cut off at 1
-and what is beyond, a and b,
-
-    W(p + a, q + b) = W + g(a) (W_p - t1) + t1 a + k1 a^2 / 2 + g(b) (W_q - t2) + t2 b + k2 b^2 / 2
-    + g(a) g(b) W_pq
-
-g(a) = a / (1 + a / reach). t and k are W_p, W_pp and W_q, W_qq at the corner of the table: a yarn
-stiffens no more, and what it does to the one that crosses it saturates, as in the cell. Forces are
+stand for a part of its fibres and are drawn out far. The local coordinates p, q are cut off at 1;
+what is beyond, a and b, extrapolates as docs/theory-cell.md says ("Beyond the table"). Forces are
 continuous and those of one potential; the tangent stays positive and, for five fabrics, below the
-largest of the table, which the time step is made for (docs/theory-cell.md).
+largest of the table, which the time step is made for.
 """
 
 import math

@@ -22,11 +22,12 @@ import math
 
 from shellfabric.jit.compile import entry, kernel
 from shellfabric.membrane import criterion_kernels
-from shellfabric.membrane.membrane_kernels import SUM
 from shellfabric.surface.vector_kernels import column, dot, subtract
 
 TINY = 1e-9  # [N] below which a force has no direction
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
+# lets LLVM add up the energies in any order, in vectors: their last digit is that of the processor
+SUM = {"reassoc", "nsz", "contract"}
 
 
 @entry(_nrt=False)

@@ -1,20 +1,12 @@
 """A zone of yarns in the step of its ply: its energy, and what the nose meets. The one file that
-knows both.
+knows both (docs/theory-panel.md, "Resolved yarns", Tie and Time steps).
 
-The last node of a chain IS the membrane's node of the rim crossing: one place, one velocity, one
-mass, the sum of both forces. Nothing is interpolated in space, so that momentum and energy are
-those of one system. Yarn does not pass the rim.
-
-Inside the rim the membrane has no edges, no trellis and no mass. In a step the membrane's nodes and
-the nose have moved, and the membrane has its own forces, when the zone moves. It makes m steps in
-one of the membrane, in which rim and nose go on at their velocities. With the forces F_0 on them
-before the first of these steps and F_1 .. F_m after each, they take
-
-    (F_0 / 2 + F_1 + .. + F_(m-1) + F_m / 2) / m + (F_m - F_0) / 2
-
-the mean force, moved from the middle of the membrane's step to its end. Summed over all steps it is
-the impulse of the F. While a rim node alone moves, it is F_m: a force that is late, or extrapolated
-from the step before, is damping below 0, which makes energy when cut yarns recoil.
+The last node of a chain IS the membrane's node of the rim crossing. Nothing is interpolated in
+space, so that momentum and energy are those of one system. In a step the membrane's nodes and the
+nose have moved, and the membrane has its own forces, when the zone moves. It makes m steps in one of
+the membrane, in which rim and nose go on at their velocities; they take the mean of its forces F_0
+to F_m, moved to the end of the membrane's step. A force that is late, or extrapolated from the step
+before, is damping below 0, which makes energy when cut yarns recoil.
 """
 
 import numpy as np

@@ -1,22 +1,13 @@
-"""Where warp and weft cross: contact along the common normal, friction across it.
+"""Where warp and weft cross: contact along the common normal, friction across it
+(docs/theory-panel.md, "Resolved yarns", Crossings and Slack yarns).
 
 A crossing is a pair of indices (s_a, s_b) on the B-splines of its two chains (`curve_kernels`),
-moved in each step by at most three steps of Gauss and Newton to the common perpendicular d = x_a -
-x_b of the two curves:
-
-    n = +- t_a x t_b / |t_a x t_b|,   F_n = F(h - d.n)
-    friction: k xi with |k xi| <= mu F_n,   dxi/dt = w - n (w.n)
-
-with the tangents t, the sign of n from the weave (which yarn lies on top), h the distance at rest,
-F the compression of both yarns in series, w the velocity of the warp over the weft. n is at right
-angles to both tangents, so that the motion of the indices does no work. Crossings of the outer rows
-are pinned: their indices stay, and nothing slips.
-
-A crossing whose yarns are slack (or nearly parallel) carries no force; what it stored is counted.
-So does one whose indices run along a loop or along the whipping end of a yarn: away from the common
-perpendicular d is not along n, and F_n would do work where n turns. It comes back at the distance
-at which it is found, and that distance follows the yarns as they come apart, up to h: coming back
-does no work. A yarn leaves a crossing for good at its end.
+moved in each step by at most three steps of Gauss and Newton. Those of the outer rows are pinned:
+their indices stay, and nothing slips. One whose yarns are slack (or nearly parallel), or whose
+indices run along a loop or the whipping end of a yarn, carries no force; what it stored is counted:
+away from the common perpendicular F_n would do work where n turns. It comes back at the distance at
+which it is found, and that distance follows the yarns as they come apart, up to h: coming back does
+no work. A yarn leaves a crossing for good at its end.
 """
 
 import math

@@ -1,22 +1,13 @@
 """Parallel neighbours: yarns side by side touch, and cannot come closer than round yarns packed
-side by side.
+side by side (docs/theory-panel.md, "Resolved yarns", Neighbours).
 
-Points fixed on a yarn, one at each crossover at rest, meet the closest points of the B-spline of the
-yarn beside it, that on the side of the line of flight: the contacts of a fabric that has a plane of
-symmetry along its middle yarn have it too, and that yarn has no points. With their distance d,
-
-    U = k1 <w1 - d>^2 / 2 + k2 <w2 - d>^2 / 2
-
-w1 is where they touch, w2 the closest: closer where the crossing yarn floats over both than where it
-passes between them. The closest point moves at right angles to d, hence does no work: a spring between
-two crossings, which run along both yarns, would make energy (docs/theory-panel.md).
-
-A closest point that runs along a loop of a slack yarn carries no force and comes back as a crossing
-does.
-
-A point that is farther away than w1 is looked at again when it can have come to w1 at twice its
-present velocity, after LONGEST_WAIT steps at the latest. Where it is then found below w1, contact
-begins at that distance, so that being late makes no energy.
+Points fixed on a yarn meet the closest points of the yarn beside it, that on the side of the line of
+flight: the contacts of a fabric that has a plane of symmetry along its middle yarn have it too, and
+that yarn has no points. w2 is closer where the crossing yarn floats over both than where it passes
+between them. A closest point that runs along a loop of a slack yarn carries no force and comes back
+as a crossing does. A point farther away than w1 is looked at again when it can have come to w1 at
+twice its present velocity, after LONGEST_WAIT steps at the latest; found below w1, its contact begins
+at that distance, so that being late makes no energy.
 """
 
 import math

@@ -423,12 +423,6 @@ def test_a_law_of_a_weave_with_floats_is_that_of_its_plain_crossing(own):
     assert solved.fabric.laws[0].fitted_data == data_digest(wc.fabric(own("basket 2x2")))
 
 
-@pytest.mark.parametrize("zone", [{}, {"crossovers": "yarns"}])
-def test_the_check_of_a_patch_refuses_what_its_solid_yarns_do(zone, own):
-    text = refused(lambda: wc.patch(own("basket 2x2"), "90 m/s", check=True, **zone))
-    assert "plain for a patch" in text
-
-
 @pytest.mark.parametrize("point", [{}, {"impact_point": ("0 mm", "0 mm")}])
 def test_one_run_takes_a_pattern_that_no_plane_mirrors(point, own):
     """Pinned yarns of the same shot would be computed as a quarter."""

@@ -37,7 +37,7 @@ def test_folders_of_our_names_hide_no_package(user, tmp_path):
         assert not Path(done.stdout.split()[1]).is_relative_to(tmp_path)
 
 
-@pytest.mark.parametrize("name", ["validation/__init__.py", "meshing.py"])
+@pytest.mark.parametrize("name", ["fabrics/__init__.py", "meshing.py"])
 def test_a_module_that_hides_a_package_is_named(user, tmp_path, name):
     (tmp_path / name).parent.mkdir(exist_ok=True)
     (tmp_path / name).write_text("")

@@ -20,6 +20,14 @@ def test_all_files_have_the_version_of_the_code():
     assert date == found(r"^date-released: (.*)$", "CITATION.cff")[0]
 
 
+def test_what_is_unreleased_is_told_in_words_that_a_user_reads():
+    """What differs from the last release, not how it came to it: a line replaces what it outdates."""
+    (unreleased,) = re.findall(
+        r"## \[Unreleased\]\n(.*?)\n## ", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.DOTALL
+    )
+    assert len(unreleased.split()) <= 1500
+
+
 def test_the_conda_environment_has_what_the_package_needs():
     """And its entries for pip are lines of a requirements file, which takes no option such as --no-deps."""
     *names, by_pip = yaml.safe_load((ROOT / "environment.yml").read_text("utf-8"))["dependencies"]

@@ -26,6 +26,17 @@ def test_wheel_and_source_distribution_hold_every_file(built):
         assert expected | set(META) <= {name.partition("/")[2] for name in archive.getnames()}
 
 
+def test_the_wheel_is_without_validation(built, installed, tmp_path):
+    """It is run from a checkout; a package of users may bear its name."""
+    [wheel] = built.glob("*.whl")
+    tops = {name.partition("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    assert {top for top in tops if not top.endswith(".dist-info")} == set(PACKAGES)
+    assert "validation" not in PACKAGES
+    assert not [name for name in tops if "validation" in name]
+    code = "import importlib.util; print(importlib.util.find_spec('validation'))"
+    assert installed.run("python", "-c", code, at=tmp_path).stdout == "None\n"
+
+
 def test_the_checkout_does_not_leak_into_the_environment(installed, tmp_path):
     code = f"import sys, {', '.join(PACKAGES)}; files = [sys.modules[name].__file__ for name in {PACKAGES}]"
     code += "; print(*files, *sys.path, sep='\\n')"
@@ -102,10 +113,7 @@ GROUPS = {
         "reduce pull-out S-728 peaks.csv --tension 2N --out pull-out",
         "reduce shot flight.csv --mass 3g --bandwidth 20kHz --out flight",
     ),
-    "meshes": (
-        "mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",
-        "patch ply.toml --duration 1us --out patch",
-    ),
+    "meshes": ("mesh S-720 --mesh coarse --format msh,geo,vtu,k,inp,rad --out mesh",),
     "views": (
         "impact ply.toml --out ply",
         "view ply --screenshot ply.png",

@@ -184,3 +184,12 @@ def test_meshes_of_conforming_sections_are_sound():
         assert mesh.min_scaled_jacobian > 0.5
         for areas, A_s in zip(mesh.bar_area, mesh.fibre_area):
             assert areas.sum() / 8 == pytest.approx(A_s / 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [2, 3, 6])
+def test_steps_along_an_ellipse_shrink_as_those_of_equal_angle(n):
+    section = Section("ellipse", 1.0, 0.3, 0.075)
+    y = section.stations(n)
+    steps = np.hypot(np.diff(y), np.diff(section.half_thickness(y)))
+    graded = section.grading(n) ** np.arange(n)
+    assert graded[-1] / graded[0] == pytest.approx(steps[-1] / steps[0])

@@ -1,6 +1,7 @@
 """Meshes of a crossover and of woven patches: volumes, orientation, fibres and bars, symmetry, surfaces, node grids."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fabrics import catalogue
 from meshing import crossover as mesher
-from meshing import geometry, patch
+from meshing import geometry, overlap, patch
 from meshing.generate import of_script
 from meshing.mesh import assemble, tributary_areas
 
@@ -397,3 +398,15 @@ def test_a_whole_crossover_is_four_quarters_also_where_a_shift_closes_an_overlap
     )
     assert whole.least_gap == pytest.approx(quarter.least_gap, abs=1e-12)
     assert abs(whole.points[:, :2].sum(axis=0)).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["S-720", "S-745"])
+def test_the_least_gap_is_the_same_from_below(name):
+    """Turned over, the weft lies above the warp, and the layers of nodes run the other way."""
+    above = mesh(name, (5, 4, 2), domain="whole")
+    turned = SimpleNamespace(
+        points=above.points * (1, 1, -1),
+        grids=[grid[..., ::-1] for grid in above.grids],
+        families=above.families,
+    )
+    assert overlap.least_gap(turned) == pytest.approx(above.least_gap, rel=1e-12)

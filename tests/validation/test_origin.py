@@ -6,14 +6,14 @@ import subprocess
 import pytest
 
 from fabrics.base.errors import InputError
-from validation import origin, runner, study
+from validation import csv_file, origin, runner
 
-FILES = sorted(study.DATA.rglob("*.csv"))
+FILES = sorted(csv_file.DATA.rglob("*.csv"))
 # files that are older say "unknown" of what nobody wrote down
 RULE = "2026-11-28 22:00 UTC"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(study.DATA)))
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(csv_file.DATA)))
 def test_every_file_says_what_made_it_or_that_it_is_history(path):
     with open(path, encoding="utf-8") as file:
         first = file.readline()
@@ -31,7 +31,7 @@ def test_every_file_says_what_made_it_or_that_it_is_history(path):
 def test_every_commit_that_a_file_names_is_in_the_history_of_this_checkout():
     """A file that was made on a branch names a commit that no clone has, once the branch was rebased: it
     then takes that with which it landed, `git log -1 FILE`."""
-    root = study.DATA.parents[2]
+    root = csv_file.DATA.parents[2]
     found = subprocess.run(
         ["git", "-C", root, "rev-list", "HEAD"], capture_output=True, text=True, check=False
     )
@@ -46,7 +46,7 @@ def test_every_commit_that_a_file_names_is_in_the_history_of_this_checkout():
     history = found.stdout.split()
     lost = {}
     for path in FILES:
-        made = study.read(path)[0]
+        made = csv_file.read(path)[0]
         commit = origin.read(made).get("commit", origin.UNKNOWN)
         if not made.startswith(origin.HISTORY) and not commit.startswith(origin.UNKNOWN):
             named = re.findall(r"\b[0-9a-f]{8,40}\b", commit)
@@ -57,7 +57,7 @@ def test_every_commit_that_a_file_names_is_in_the_history_of_this_checkout():
 
 
 def test_pages_say_which_data_are_history():
-    docs = study.DATA.parents[1]
+    docs = csv_file.DATA.parents[1]
     beside = docs.parent / "validation" / "reports"
     pages = [*docs.rglob("*.md"), *beside.glob("*.md")]
     quoting = [page for page in pages if "data/kept/" in page.read_text("utf-8")]
@@ -65,8 +65,8 @@ def test_pages_say_which_data_are_history():
     assert quoting
     for page in quoting:
         assert "history, not repeated" in page.read_text("utf-8"), page
-    history = study.DATA / "kept"
-    assert all(study.read(path)[0].startswith(origin.HISTORY) for path in history.glob("*.csv"))
+    history = csv_file.DATA / "kept"
+    assert all(csv_file.read(path)[0].startswith(origin.HISTORY) for path in history.glob("*.csv"))
 
 
 def test_a_line_is_read_as_it_was_written(monkeypatch):

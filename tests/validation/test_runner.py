@@ -8,7 +8,7 @@ import pytest
 
 from fabrics.base.errors import InputError, UnstableError
 from tests.programs import printed
-from validation import cases, judges, runner, study
+from validation import cases, csv_file, judges, runner, study
 from validation.cases import impact
 from validation.judges import STABLE
 from validation.study import Study
@@ -71,8 +71,8 @@ def test_a_study_is_computed_compared_written_and_taken_again(monkeypatch, tmp_p
     assert records[3] == {"n": 7, "value": None, "off [%]": None, "sum": None, "problem": "seven"}
     assert records[4] == {"n": "line", "value": 4.0}
     assert study.unmet(this, records) == ["max(of('sum')) > 6"]
-    study.write(tmp_path / "a.csv", records, "by hand", {"n": "elements"})
-    made, rows = study.read(tmp_path / "a.csv")
+    csv_file.write(tmp_path / "a.csv", records, "by hand", {"n": "elements"})
+    made, rows = csv_file.read(tmp_path / "a.csv")
     assert made == "by hand"
     assert rows[0]["elements"] == "1"
     assert rows[0]["value"] == "4"

@@ -6,7 +6,7 @@ import pytest
 
 from fabrics.base.errors import InputError
 from tests.validation.test_runner import made_up
-from validation import again, golden, origin, stale, study
+from validation import again, csv_file, golden, origin, stale, study
 from validation.again import Cell, Outcome
 from validation.golden import Golden
 from validation.measured import command
@@ -30,7 +30,7 @@ def test_every_study_names_its_golden_rows_or_says_why_not(name):
     rules = golden.table(this)
     if rules.none:
         return
-    records = study.read(study.DATA / f"{name}.csv")[1]
+    records = csv_file.read(csv_file.DATA / f"{name}.csv")[1]
     assert golden.places(this, records)
     quantities = {key for row in golden.rows(this) for key in row.quantities}
     assert {*rules.columns, *rules.clock, *rules.absolute} <= quantities
@@ -106,7 +106,7 @@ def test_a_search_is_two_shots_beside_its_bracket(monkeypatch):
     assert asked == [((pytest.approx(107.6), pytest.approx(112.4)), {"plies": 3})]
     assert (cell.kept, cell.now) == ("no / yes", [False, True])
     cell = again.beside("impact.limit", "row", {}, 112.0, 113.0)
-    assert study.text(cell.now) == "yes / yes"
+    assert csv_file.text(cell.now) == "yes / yes"
     with pytest.raises(InputError, match=r"golden\.bracket"):
         again.beside("impact.shot", "row", {}, 112.0, 113.0)
 
@@ -183,7 +183,7 @@ def test_rows_of_measured_are_listed_until_they_are_computed():
 
 def test_the_list_has_reasons_fits_the_files_and_does_not_grow():
     listed = stale.read()
-    measured = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
+    measured = {row["id"]: row for row in csv_file.read(csv_file.DATA / "measured.csv")[1]}
     for one in listed:
         assert one["reason"]
         assert one["since"] >= "2026-11-28"
@@ -191,7 +191,7 @@ def test_the_list_has_reasons_fits_the_files_and_does_not_grow():
             assert command.value_of(measured[one["row"]]) == one["kept"]
             continue
         this = study.load(one["study"])
-        made, records = study.read(study.DATA / f"{one['study']}.csv")
+        made, records = csv_file.read(csv_file.DATA / f"{one['study']}.csv")
         if one["column"] == stale.INPUTS:
             assert origin.read(made)["inputs"] == one["kept"]
             assert origin.inputs_of(this) == one["now"]

@@ -9,8 +9,6 @@ one is held off the edge of the next.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from fabrics.base import sums
@@ -44,11 +42,11 @@ class Edges(Frictionless):
     node numbers (i, k).
 
     The edges count as the curves through the middle of their thickness. The penalty acts on the
-    area over which strips as thick as the yarns would cross, t1 t2 / sin(angle): on that of the cut
+    area over which strips as thick as the yarns would cross, t^2 / sin(angle): on that of the cut
     tips alone the edges would go through each other before the weave locks.
 
     across : component that leads from the one to the other
-    thicknesses : (2,) [m] of the yarns
+    thickness : [m] of the yarns
     """
 
     def __init__(
@@ -57,13 +55,13 @@ class Edges(Frictionless):
         first: IntArray,
         second: IntArray,
         across: int,
-        thicknesses: Sequence[float],
+        thickness: float,
     ) -> None:
         middle = first.shape[1] // 2
         self._edges = [np.ascontiguousarray(edge[:, middle], np.int64) for edge in (first, second)]
         a, b = (points[edge[-1]] - points[edge[0]] for edge in self._edges)
         sine = float(sums.norm(np.cross(a, b)) / (sums.norm(a) * sums.norm(b)))
-        self._area = thicknesses[0] * thicknesses[1] / sine
+        self._area = thickness**2 / sine
         self._toward = np.eye(3)[across]
         self.gaps = np.array([np.inf])
         # that acted on each other at the last call of `assemble`
@@ -315,7 +313,7 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Ed
                     for g in (one, other)
                 ]
                 if rises[0] * rises[1] < -1e-3 * thick**2:
-                    pair = one[:, -1], other[:, 0], 1 - family, (thick, thick)
+                    pair = one[:, -1], other[:, 0], 1 - family, thick
                     found.append((family, pair))
     # all images are there now
     return [(family, Edges(images.points, *pair)) for family, pair in found]

@@ -12,7 +12,6 @@ from fabrics.base.errors import UnstableError
 from shellfabric.cell import crossover_kernels as kernels
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.membrane import quality
-from validation.claims.checks.cell import printed
 from validation.models import newton as thesis
 from validation.models.cable import smith
 from validation.models.variants import with_law_form
@@ -41,7 +40,8 @@ def newton(*, d1: float, d2: float) -> Values:
     UnstableError : it does not converge, or runs off
     """
     found = thesis.iterate(FABRIC, d1, d2)
-    model = printed(FABRIC)
+    printed = with_law_form(catalogue.load(FABRIC), "printed")
+    model = CellModel(printed, cell_formulation="equilibrium")
     if not found.converged:
         many = found.steps >= thesis.MOST
         why = "ran off"

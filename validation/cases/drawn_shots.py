@@ -12,7 +12,7 @@ from fabrics.variants import with_linear_density
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.plies.pack_keys import STACKINGS
 from shellfabric.projectile.projectile import Projectile
-from validation.claims.readers import KEVLAR
+from validation.models.variants import KEVLAR
 from weavecell.studies import inputs
 
 if TYPE_CHECKING:

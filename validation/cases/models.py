@@ -11,7 +11,7 @@ import numpy as np
 from fabrics import catalogue
 from fabrics.base.units import si
 from validation.cases import impact, patches
-from validation.study import merged
+from validation.filling import merged
 from validation.values import Values
 from weavecell.studies import model_choice
 

@@ -10,9 +10,9 @@ from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
+from validation.cases.small_patch import Place, SmallPatch, StepClock
 from validation.models.cable.net import CableNet
 from validation.values import Values
-from weavecell.studies.small_patch import Place, SmallPatch, StepClock
 
 SPHERE = Projectile(mass=0.11e-3, radius=1.5e-3, shape="sphere")
 

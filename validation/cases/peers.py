@@ -13,8 +13,8 @@ import weavecell as wc
 from shellfabric.impact.run import run_impact
 from validation.cases import noses
 from validation.cases.laws import card_table, law_of_card
+from validation.csv_file import read
 from validation.models.cable.net import CableNet
-from validation.study import read
 from validation.values import Values
 from weavecell.studies import mesh_uncertainty
 

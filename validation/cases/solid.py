@@ -28,7 +28,7 @@ from unitcell3d.material import solid_law
 from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps
 from unitcell3d.solver.path_following import follow
-from validation.claims.checks.cell import fitted
+from validation.models.crossover_law import fitted
 from validation.models.variants import scale_solids
 from validation.values import Values, flags, largest
 

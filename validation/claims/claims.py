@@ -39,7 +39,7 @@ from math import pi
 from typing import Any
 
 from fabrics.base.errors import InputError
-from validation.study import filled
+from validation.filling import filled
 from validation.values import Values
 
 FILES = ("claims.toml", "additional.toml")

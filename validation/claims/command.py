@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from fabrics.base.errors import InputError, nearest
-from validation import origin, study
+from validation import csv_file, origin
 from validation.claims import claims as data
 from validation.claims import judge, runner, table, turns
 from weavecell.cli.from_signature import CORES
@@ -88,7 +88,7 @@ def main(
     options = " --slow" * slow + " --no-variants" * no_variants
     inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
     made = origin.write(f"claims{options}", inputs, origin.spent())
-    study.write(out / "claims.csv", table.rows(claims, records), made)
+    csv_file.write(out / "claims.csv", table.rows(claims, records), made)
     counts = Counter(record.verdict for record in records)
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
     print(f"written to {out}/claims.csv", flush=True)
@@ -102,7 +102,7 @@ def write_turns(claims: Sequence[data.Claim], out: Path, named: bool, **pool: An
     path = out / turns.FILE
     kept = {}
     if path.exists():
-        kept = {row["id"]: row for row in study.read(path)[1]}
+        kept = {row["id"]: row for row in csv_file.read(path)[1]}
     with progress.bar(f"{len(chosen)} claims") as advance:
         rows = turns.search(
             chosen,
@@ -114,7 +114,7 @@ def write_turns(claims: Sequence[data.Claim], out: Path, named: bool, **pool: An
     reproduced = [claim.id for claim in data.load() if claim.verdict == judge.REPRODUCED]
     inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
     made = origin.write("claims --find-turns", inputs, origin.spent())
-    study.write(path, [kept[name] for name in reproduced if name in kept], made)
+    csv_file.write(path, [kept[name] for name in reproduced if name in kept], made)
     found = sum(row["change"] != turns.NONE for row in kept.values())
     print(f"{found} of {len(kept)} claims are turned by a tenth of an input; written to {path}")
     return 0

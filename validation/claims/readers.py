@@ -22,11 +22,11 @@ from shellfabric.cell.model import CellModel
 from shellfabric.loop.snapshots import pyramid
 from shellfabric.membrane.model import Panel
 from validation.claims import changed_fabrics
+from validation.models.variants import KEVLAR
 from validation.values import Values, largest, rms
 from weavecell.results import wave_fronts
 
 FAMILIES = ("warp", "weft")
-KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")
 ALL = catalogue.list_names()
 ZONE_I = 60e-6  # [s] at which zone I of a shot at 100 m/s ends
 OFFSETS = tuple(

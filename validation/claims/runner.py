@@ -24,7 +24,7 @@ from fabrics.base.errors import WeavecellError
 from validation.claims import changed_fabrics, checks, judge, runs
 from validation.claims.claims import Claim, Run, in_si, run_of
 from validation.claims.judge import BROKEN, LEFT_OUT, MISSED, NOT_BUILT, NOT_TESTABLE, Record
-from validation.study import filled
+from validation.filling import filled
 from validation.values import Values, compute_each
 
 # what is merged into the keywords of shots at one ply

@@ -32,19 +32,19 @@ from shellfabric.membrane.model import Panel
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.plies.gap import ply_gap
 from shellfabric.projectile.bar import Bar
-from shellfabric.solids import step_kernels
-from shellfabric.solids.mesh import SolidMesh
-from shellfabric.solids.model import SolidPatch
-from shellfabric.solids.solver import SolidSolver
 from validation.cases import block, noses
+from validation.cases.small_patch import StepClock
 from validation.claims import changed_fabrics
 from validation.models.cable import smith
 from validation.models.cable.net import CableNet, NetResult
+from validation.models.solids import step_kernels
+from validation.models.solids.mesh import SolidMesh
+from validation.models.solids.model import SolidPatch
+from validation.models.solids.solver import SolidSolver
 from validation.models.variants import with_straight_yarns
 from validation.published import bias_extension
 from validation.values import Values
 from weavecell.studies import ballistic_limit
-from weavecell.studies.small_patch import StepClock
 
 # of the thesis
 PROJECTILE = {"mass": 3e-3, "diameter": 5.5e-3, "edge_radius": 0.3e-3, "friction": 0.0}

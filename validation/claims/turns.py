@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from validation import study
+from validation import csv_file
 from validation.claims import judge, runner, table
 from validation.claims.claims import Claim
 from validation.values import Values
@@ -103,7 +103,7 @@ def describe(factors: Values) -> str:
 
 def stored() -> dict[str, Values]:
     """Read {id of a claim: the factors that turn it} from the data of the documentation."""
-    _, rows = study.read(study.DATA / FILE)
+    _, rows = csv_file.read(csv_file.DATA / FILE)
     return {row["id"]: json.loads(row["factors"]) for row in rows if row["factors"]}
 
 

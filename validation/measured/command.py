@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from fabrics.base.errors import InputError
-from validation import origin, stale, study
+from validation import csv_file, origin, stale
 from validation.measured import statistics
 from validation.measured.rows import Row, compute, number, read
 from validation.values import Values, compute_each
@@ -50,7 +50,7 @@ def main(
     ------
     InputError : rows for the documentation by code that is not as committed
     """
-    folder = out or study.DATA
+    folder = out or csv_file.DATA
     if quick:
         folder = out or KEPT
     parts = parts or PARTS
@@ -65,7 +65,7 @@ def main(
         pair = (None if quick else row.case, row.coarse_case)
         if row.level in parts and row.id in wanted and any(pair):
             cases[row.id] = pair
-    kept = {row["id"]: row for row in study.read(study.DATA / "measured.csv")[1]}
+    kept = {row["id"]: row for row in csv_file.read(csv_file.DATA / "measured.csv")[1]}
     if known:
         values = {id: value_of(kept[id]) for id in cases if id in kept}
         old = {id: value for id, value in values.items() if value}
@@ -80,11 +80,11 @@ def main(
     here = Path(__file__).parent
     inputs = origin.digest_of_files(here / "rows.csv", *here.glob("inputs/**/*.toml"))
     made = origin.write(words, inputs, origin.spent())
-    study.write(folder / "measured.csv", table, made)
+    csv_file.write(folder / "measured.csv", table, made)
     quantities = summary(table)
-    study.write(folder / "measured-quantities.csv", quantities, made)
-    if folder == study.DATA:
-        study.write(AGAINST_TESTS, quantities, made)
+    csv_file.write(folder / "measured-quantities.csv", quantities, made)
+    if folder == csv_file.DATA:
+        csv_file.write(AGAINST_TESTS, quantities, made)
         stale.write(stale.without_measured(cases, stale.read()))
 
 
@@ -111,7 +111,7 @@ def _ran(found, case, coarse, commit):
     cheap = None
     if coarse is not None:
         cheap = found[coarse][0]
-    return dict(zip(RUN, map(study.text, (value, cheap, error, balance, commit))))
+    return dict(zip(RUN, map(csv_file.text, (value, cheap, error, balance, commit))))
 
 
 def held(row: Row, ran: Mapping[str, str]) -> Values:
@@ -130,7 +130,7 @@ def held(row: Row, ran: Mapping[str, str]) -> Values:
         u_num = hypot(number(known["error"]), np.nan_to_num(step))
         u_input = float(row.u_input or 0) * abs(computed)
         u_val = hypot(u_num, u_input, float(row.sigma))
-        known |= dict(zip(VALIDATION, map(study.text, (E, u_num, u_input, u_val, E / u_val))))
+        known |= dict(zip(VALIDATION, map(csv_file.text, (E, u_num, u_input, u_val, E / u_val))))
     return known | {"source": row.source, "assumed": row.assumed}
 
 

@@ -10,6 +10,7 @@ from fabrics.fabric import Fabric
 from fabrics.pattern import Pattern
 from fabrics.variants import Value, scale_laws, scale_shear, scale_yarns, with_shear, with_solids
 
+KEVLAR = ("S-720", "S-726", "S-727", "S-728", "S-731", "S-745")  # the fabrics of the thesis
 NEARLY_STRAIGHT = (
     1e-6  # [-] crimp: the thickness of the fabric is that of its crimp, and must not be zero
 )

@@ -41,8 +41,6 @@ from weavecell.api.own_runs import RunsResult as RunsResult
 from weavecell.api.own_runs import RunTable as RunTable
 from weavecell.api.own_runs import draw as draw
 from weavecell.api.own_runs import run as run
-from weavecell.api.patches import PatchResult as PatchResult
-from weavecell.api.patches import patch as patch
 from weavecell.api.ply_counts import PliesResult as PliesResult
 from weavecell.api.ply_counts import plies as plies
 from weavecell.api.pull_outs import PullOutFriction as PullOutFriction
@@ -53,7 +51,6 @@ from weavecell.api.reduction import reduce_compression as reduce_compression
 from weavecell.api.reduction import reduce_shot as reduce_shot
 from weavecell.api.result import Result as Result
 from weavecell.api.run_size import RunSize as RunSize
-from weavecell.api.run_size import SizeOfPatch as SizeOfPatch
 from weavecell.api.runs import fabric as fabric
 from weavecell.api.runs import setup as setup
 from weavecell.api.saved import SavedResult as SavedResult

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.scenes.impact import Scene
-    from weavecell.studies.small_patch import SmallPatch
 
 # lowest and highest CPU time [s] of an element and step
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
@@ -42,9 +41,6 @@ OF_A_PLY = 0.2e-3, 0.5e-3
 OF_A_BODY = 0.1e-3, 0.25e-3
 OF_A_BRICK = 850e-9, 1000e-9
 OF_A_CROSSING = 200e-9, 400e-9  # of resolved yarns, with its nodes and segments
-OF_A_SOLID = 1.0e-6, 1.3e-6  # hexahedron of woven solid yarns, with its bars and contacts
-# steps over those by which a fibre wave goes through a hexahedron: pressed ones are stiffer
-SOLID_STEPS = 2.0, 3.2
 # estimates: of the time over half of the opening, and of the shots until a limit is enclosed
 DURATION = 0.2, 1.0
 ENCLOSES = 2.5
@@ -492,60 +488,3 @@ class WorkSize(Result):
         amounts = ", ".join(counted(number, noun) for noun, number in self.amounts.items())
         head = f"{self.title}: nothing is run"
         return [head, amounts, *self.assumed, *self.said.lines]
-
-
-@explain_frozen
-@dataclass(frozen=True, repr=False)
-class SizeOfPatch(_Size):
-    """What a patch of woven solid yarns would take, beside which the other two models cost nothing.
-
-    Parameters
-    ----------
-    title : of the shot
-    crossings : of each family
-    bricks : hexahedra
-    cpu_time : (lowest, highest) [s]
-    said : what is struck, taken for granted and chosen in each model
-
-    Examples
-    --------
-    >>> size = wc.patch("S-720", "60 m/s", check=True)
-    >>> size.crossings, size.bricks
-    (14, 6272)
-    """
-
-    title: str
-    crossings: int
-    bricks: int
-    cpu_time: tuple[float, float]
-    said: Wording = NOTHING
-
-    @classmethod
-    def estimate(cls, patch: SmallPatch, title: str, said: Wording) -> SizeOfPatch:
-        """Estimate what the solid yarns of a patch take."""
-        weave = patch.fabric.weave
-        along = min(weave.w) / patch.size[0]
-        crossed = along / max(yarn.wave_speed for yarn in weave.yarns)
-        low, high = (
-            patch.bricks * patch.duration / crossed * cost * steps
-            for cost, steps in zip(OF_A_SOLID, SOLID_STEPS)
-        )
-        return cls(title, patch.crossings, patch.bricks, (low, high), said)
-
-    def summary(self) -> dict[str, Any]:
-        """Return all of it, names with units."""
-        return {
-            "crossings": self.crossings,
-            "bricks": self.bricks,
-            **self._summarise_cpu_time(),
-            **self.said.summary(),
-        }
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed."""
-        count = self.crossings
-        lines = [
-            f"{self.title}: nothing is run",
-            f"{count} x {counted(count, 'crossover')} of {counted(self.bricks, 'hexahedron')}; {self.cost}",
-        ]
-        return [*lines, *self.said.lines]

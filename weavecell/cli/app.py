@@ -53,7 +53,6 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     ),
     "reduce pull-out": ("reduce_pull_out", "S-728 peaks.csv --tension '2 N'"),
     "reduce shot": ("reduce_shot", "flight.csv --mass '3 g' --bandwidth '20 kHz'"),
-    "patch": ("patch", "examples/S-720-stops.toml --struck crossover"),
     "critical-velocity": ("critical_velocity", "S-720 --tolerance '1 m/s'"),
     "crossover yarn": ("crossover.yarn", "S-720 --yarn weft"),
     "crossover platens": ("crossover.platens", "S-720 --pressure '20 MPa'"),

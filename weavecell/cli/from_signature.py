@@ -9,14 +9,17 @@ is. A command of a group, such as `fabrics list`, has no folder of its own by de
 
 from __future__ import annotations
 
+import builtins
 import inspect
 import logging
 import os
 import re
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, Unpack, get_args, get_origin
 
 import typer
 
@@ -62,13 +65,12 @@ def command(
     """
     text, meanings = read_docstring(function)
     parameters = []
-    for parameter in inspect.signature(function).parameters.values():
+    for parameter in read_signature(function).parameters.values():
         of_python = parameter.name in OF_PYTHON and parameter.kind is not parameter.KEYWORD_ONLY
         if not of_python and parameter.kind is not parameter.VAR_KEYWORD:
             parameters.append(parameter)
     parameters += unpack_keywords(function, meanings)
-    returns = inspect.signature(function).return_annotation
-    has_checks = returns not in ("None", "DataFrame", "Tables", "Citations")
+    has_checks = _computes(function)
 
     def call(strict: bool = False, verbose: bool = False, **values: Any) -> None:
         progress.told = verbose or not has_checks or bool(values.get("check"))
@@ -89,9 +91,7 @@ def command(
                 raise
             except InputError as problem:
                 raise _name_option(problem, values) from None
-        if returns == "DataFrame":
-            print(format_for_terminal(result))
-        elif isinstance(result, Result) and has_checks and not values.get("check"):
+        if isinstance(result, Result) and has_checks and not values.get("check"):
             print(result, flush=True)
             if "out" in values and type(result).answer is Result.answer:
                 print(f"written to {values['out']}", flush=True)
@@ -105,7 +105,7 @@ def command(
                 print(*glossary.lines(result.details(), result.checks), sep="\n", flush=True)
                 checks.report(result.checks)
         elif result is not None:
-            print(result, flush=True)
+            print(_as_printed(result), flush=True)
         if strict and result is not None and result.doubtful:
             # the folder of a run that was finished before
             doubts = "; ".join(getattr(result, "doubts", ()))
@@ -115,7 +115,7 @@ def command(
         _parameter(parameter, meanings.get(parameter.name, "")) for parameter in parameters
     ]
     for key in keywords:
-        signature.append(_parameter(_keyword(key, "str"), _escape(_meaning(key))))
+        signature.append(_parameter(_keyword(key, str), _escape(_meaning(key))))
     if has_checks:
         help_text = "Exit code 3 if a quality indicator is beyond its limit."
         strict = Annotated[bool, typer.Option("--strict", help=help_text)]
@@ -129,6 +129,15 @@ def command(
     made.__annotations__ = {parameter.name: parameter.annotation for parameter in signature}
     made.__doc__ = text
     return made, f"Example: [bold]weavecell {name} {example}[/bold]"
+
+
+def _as_printed(result):
+    """What is printed of a result without checks: a table is laid out, another one is its own text."""
+    # a table is pandas' only where that is loaded
+    pandas = sys.modules.get("pandas")
+    if pandas is not None and isinstance(result, pandas.DataFrame):
+        return format_for_terminal(result)
+    return result
 
 
 def _folder(name, parameters, values):
@@ -145,29 +154,66 @@ def _folder(name, parameters, values):
     return RESULTS / "-".join(stems)
 
 
+class _Names(dict):
+    """Names of a module and of Python; one that the module only checks types by is a class of that
+    name."""
+
+    def __missing__(self, name: str) -> type:
+        if name.startswith("__"):
+            raise KeyError(name)
+        return type(name, (), {"__class_getitem__": classmethod(lambda cls, _: cls)})
+
+
+def read_types(owner: Any) -> dict[str, Any]:
+    """Return {name: type} of the annotations of a function or a TypedDict of ours."""
+    inside = inspect.unwrap(owner)
+    names = _Names(vars(builtins) | vars(inspect.getmodule(inside)))
+    found = {}
+    for name, annotation in owner.__annotations__.items():
+        text = getattr(annotation, "__forward_arg__", annotation)
+        found[name] = eval(text, {}, names) if isinstance(text, str) else text
+    return found
+
+
+def read_signature(function: Callable) -> inspect.Signature:
+    """Return the signature of a function, with types for annotations."""
+    types = read_types(function)
+    signature = inspect.signature(function)
+    parameters = [one.replace(annotation=types[one.name]) for one in signature.parameters.values()]
+    return signature.replace(
+        parameters=parameters, return_annotation=types.get("return", signature.empty)
+    )
+
+
+def _computes(function):
+    """Whether a function computes a result with quality checks: as a plan that is run, or at once."""
+    returned = read_types(function).get("return")
+    return hasattr(function, "plan") or (
+        isinstance(returned, type) and issubclass(returned, Result)
+    )
+
+
 def unpack_keywords(function: Callable, meanings: dict[str, str]) -> list[inspect.Parameter]:
     """Return the parameters of a TypedDict that stands for `**keywords`; their meanings are added.
 
     They are those that its own docstring explains. Those of `weavecell.setup` are keys of the input
     file, which a command reads.
     """
-    *_, last = inspect.signature(function).parameters.values()
-    name = str(last.annotation).removeprefix("Unpack[").removesuffix("]")
-    if last.kind is not last.VAR_KEYWORD or name == "Any":
+    *_, last = read_signature(function).parameters.values()
+    if last.kind is not last.VAR_KEYWORD or get_origin(last.annotation) is not Unpack:
         return []
-    kind = getattr(inspect.getmodule(function), name)
+    (kind,) = get_args(last.annotation)
+    types = read_types(kind)
     own = read_docstring(kind)[1]
     meanings |= own
     others = [key for key in own if key not in inspect.signature(function).parameters]
-    return [_keyword(key, kind.__annotations__[key].__forward_arg__) for key in others]
+    return [_keyword(key, types[key]) for key in others]
 
 
 def _keyword(key, annotation):
     """A keyword that may be left out."""
-    if "None" not in annotation:
-        annotation += " | None"
     only = inspect.Parameter.KEYWORD_ONLY
-    return inspect.Parameter(key, only, default=None, annotation=annotation)
+    return inspect.Parameter(key, only, default=None, annotation=annotation | None)
 
 
 def _meaning(key):
@@ -210,11 +256,12 @@ def _parameter(parameter, meaning):
     """A parameter as typer takes it; one that is left out has the function's own default."""
     name = parameter.name
     default = DEFAULTS.get(name, parameter.default)
-    kind = _kind(parameter.annotation)
-    choices = re.search(r"Literal\[(.*?)\]", parameter.annotation)
+    kinds = _split_union(parameter.annotation)
+    kind = _kind(kinds)
+    choices = [word for one in kinds if get_origin(one) is Literal for word in get_args(one)]
     metavar = METAVARS.get(name)
     if metavar is None and kind is str and choices:
-        metavar = re.sub("[\"' ]", "", choices[1]).replace(",", "|")
+        metavar = "|".join(choices)
     only = inspect.Parameter.KEYWORD_ONLY
     settings: dict[str, Any] = {"help": meaning, "min": LEAST.get(name)}
     if name in ARGUMENTS:
@@ -235,7 +282,7 @@ def _parameter(parameter, meaning):
     if default is parameter.empty and not required:
         default = None
     words = [_option(name)]
-    if default is True or parameter.annotation == "bool | None":
+    if default is True or set(kinds) == {bool, type(None)}:
         words = [f"{words[0]}/--no-{words[0][2:]}"]
     if name in SHORT:
         words.append(SHORT[name])
@@ -245,14 +292,20 @@ def _parameter(parameter, meaning):
     return inspect.Parameter(name, only, default=default, annotation=annotation)
 
 
-def _kind(annotation):
+def _split_union(annotation):
+    """The kinds that a union has; another annotation is the only one."""
+    if isinstance(annotation, UnionType) or get_origin(annotation) is Union:
+        return get_args(annotation)
+    return (annotation,)
+
+
+def _kind(kinds):
     """The type that typer reads a text as."""
-    kinds = annotation.split(" | ")
-    if kinds[0].startswith("list["):
+    if get_origin(kinds[0]) is list:
         return list[str]
-    if "str" not in kinds and "FilePath" not in kinds:
+    if str not in kinds:
         for kind in (bool, int, float):
-            if kind.__name__ in kinds:
+            if kind in kinds:
                 return kind
     return str
 

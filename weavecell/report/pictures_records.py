@@ -143,27 +143,3 @@ def _draw_peaks(axes, friction):
                 name = f"{pulled}, computed, {tension:g} N"
                 axes.plot(*zip(*line), color=colour, label=name)
     axes.set(xlabel="number of crossings", ylabel="peak load [N]")
-
-
-def draw_noses(pyplot: Any, curves: Sequence[Any], until: float, title: str) -> Any:
-    """Draw the velocity of a nose in several models, in time and over its way.
-
-    Parameters
-    ----------
-    curves : (name, t, z, v) of each, t (n,) [s], z [m], v [m/s]
-    until : [s] to which the models are compared
-    """
-    figure, (in_time, over_way) = pyplot.subplots(1, 2, figsize=(WIDTH, 4.6), sharey=True)
-    time, velocity, way = (
-        find_axis(name, "patch") for name in ("time_s", "*_velocity_m_s", "*_way_m")
-    )
-    for (name, t, z, v), colour in zip(curves, COLOURS):
-        speed = velocity.factor * v
-        in_time.plot(time.factor * t, speed, color=colour, label=name)
-        over_way.plot(way.factor * z, speed, color=colour)
-    in_time.axvline(time.factor * until, color=FAINT, lw=1.0, ls=":")
-    in_time.set(xlabel=time.label, ylabel=velocity.label)
-    over_way.set(xlabel=way.label)
-    in_time.legend()
-    figure.suptitle(title)
-    return figure

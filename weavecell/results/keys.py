@@ -151,7 +151,6 @@ OF_KINDS = (
         "sweep",
         "tests",
         "comparison",
-        "patch",
     ),
     *("compression", "shot", "coupon", "biaxial", "law", "surface", "case", "mesh"),
 )

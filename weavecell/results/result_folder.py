@@ -70,7 +70,6 @@ KINDS = {
     "law.json": Kind("law", "paths.csv"),
     "surface.json": Kind("surface", "surface.csv"),
     "case.json": Kind("case", "case.csv"),
-    "patch.json": Kind("patch", "patch.csv"),
     "mesh.json": Kind("mesh", ""),
     SUMMARY: Kind("coupon", "coupon.csv"),
 }

@@ -39,7 +39,6 @@ Reader = Literal[
     "limit",
     "v50",
     "sweep",
-    "patch",
     "export",
     "coupon",
     "bias_extension",
@@ -217,7 +216,6 @@ class FabricTable(Table, CellNumbers):  # type: ignore[misc] # frozen by its mod
     bending: Annotated[
         shot_keys.BENDING,
         Unread("export", "0: a membrane has no bending stiffness"),
-        Unread("patch", "left out: the yarns of a patch have no bending stiffness of their own"),
         Unread(
             "bias_extension picture_frame uniaxial biaxial",
             "left out: only the yarns of a pull-out have bending stiffness",

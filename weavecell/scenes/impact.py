@@ -230,7 +230,7 @@ class BackingTable(Table, BlockKeys, IsotropicKeys):  # type: ignore[misc] # fro
 
 
 # functions that write no files of a shot
-OF_MANY = "limit v50 sweep patch export"
+OF_MANY = "limit v50 sweep export"
 
 
 class RunTable(Table):
@@ -250,7 +250,7 @@ class RunTable(Table):
 
     end_time: Annotated[
         shot_keys.END_TIME,
-        Unread("limit v50 patch"),
+        Unread("limit v50"),
     ] = 800e-6
     elements_per_crossover: shot_keys.ELEMENTS = None
     snapshot_interval: Annotated[
@@ -351,9 +351,7 @@ class Scene(Table):
     title = "S-728, 1.10 g FSP at 200 m/s"
     """
 
-    title: Annotated[string("heading of the report", "a text"), Unread("limit v50 sweep patch")] = (
-        ""
-    )
+    title: Annotated[string("heading of the report", "a text"), Unread("limit v50 sweep")] = ""
     fabric: Annotated[FabricTable, Field(description="a table [fabric]"), AsKeywords()] = (
         FabricTable()
     )
@@ -368,7 +366,6 @@ class Scene(Table):
         AsDict(),
         Unread("limit v50", NO_HISTORY.format("the shots record")),
         Unread("sweep", NO_HISTORY.format("a sweep records")),
-        Unread("patch"),
         NoPlace("export"),
     ] = None
     accuracy: Annotated[
@@ -378,17 +375,11 @@ class Scene(Table):
             "limit v50 sweep export",
             "left out: the shots are computed on the mesh of the input file",
         ),
-        Unread("patch"),
     ] = None
     numerics: Annotated[
         NumericsTable,
         Field(description="a table [numerics]"),
         AsDict(),
-        Unread(
-            "patch",
-            "left out: solid yarns have numerical parameters of their own, and all models are compared at "
-            "their defaults",
-        ),
         NoPlace("export"),
     ] = NumericsTable()
     backing: Annotated[

@@ -260,41 +260,31 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         "gap": "ply_gap",
     }
 
-    preset: Annotated[
-        one_of(
-            "set-up of a test, whose values stand in place of keys of [panel], [backing] and [run] that are not given: "
-            "body armour is a pack with free edges of 200 mm before a block of clay, followed until the dent rests",
-            *presets.list_names(),
-        ),
-        Unread("patch"),
-    ] = None
+    preset: one_of(
+        "set-up of a test, whose values stand in place of keys of [panel], [backing] and [run] that are not given: "
+        "body armour is a pack with free edges of 200 mm before a block of clay, followed until the dent rests",
+        *presets.list_names(),
+    ) = None
     opening: Annotated[
         shot_keys.OPENING,
         StandardShot("203 mm"),
-        Unread("patch"),
     ]
     opening_shape: Annotated[
         one_of("shape of the opening; round needs clamped edges", "rectangular", "round"),
         Unread("export", '"rectangular"'),
-        Unread("patch"),
     ] = "rectangular"
     impact_point: Annotated[
         shot_keys.IMPACT_POINT,
         Field(min_length=2, max_length=2),
         Unread("export", "0"),
-        Unread("patch"),
     ] = None
-    boundary: Annotated[
-        Boundary, described("how the yarns end at the frame", _BOUNDARY), Unread("patch")
-    ] = "clamped"
-    symmetry: Annotated[
-        shot_keys.SYMMETRY,
-        Unread("patch"),
-    ] = "quarter"
+    boundary: Annotated[Boundary, described("how the yarns end at the frame", _BOUNDARY)] = (
+        "clamped"
+    )
+    symmetry: shot_keys.SYMMETRY = "quarter"
     weave_angle: Annotated[
         shot_keys.WEAVE_ANGLE,
         Unread("export", "0: an oblique weave is not exported"),
-        Unread("patch"),
     ] = 0.0
     areal_density: Annotated[
         quantity(
@@ -314,7 +304,6 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Field(description="a table { weibull_shape = 14.3, seed = 1 }"),
         Unread("export", "left out: cards have one strength"),
         Unread("v50", "left out: a V50 draws the strengths itself"),
-        Unread("patch", "left out: the yarns of a patch are all alike"),
     ] = None
     length_effect: Annotated[
         flag(
@@ -323,7 +312,6 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
             "([strength](../reports/yarns.md)); false: it is that of the yarns in the panel, as in the thesis"
         ),
         NoPlace("export", "nothing breaks"),
-        Unread("patch", "left out: the yarns of a patch have the strength that the fabric states"),
     ] = True
     grading: Annotated[
         tuple[tuple[float, float], ...] | None,
@@ -344,7 +332,6 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
             "auto",
         ),
         Unread("export", '"pinned": no law here lets yarns slip'),
-        Unread("patch"),
     ] = "pinned"
 
     @property

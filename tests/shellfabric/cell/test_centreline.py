@@ -10,7 +10,7 @@ from scipy.optimize import brentq, minimize
 from fabrics import catalogue
 from fabrics.base.errors import InputError
 from fabrics.compression import CompressionLaw
-from shellfabric.cell import yarn_kernels
+from shellfabric.cell import crossover_kernels, yarn_kernels
 from shellfabric.cell.model import CellModel
 
 FABRIC = catalogue.load("glass-unbalanced")
@@ -162,6 +162,28 @@ def test_forces_are_the_gradient_of_the_energy(centreline, stiffening):
         moved = step * np.eye(2)[m][:, None]
         rise = cell.solve(*(stretch + moved))["W"] - cell.solve(*(stretch - moved))["W"]
         assert_allclose(rise / (4 * step * w), found[f"N{m + 1}"], rtol=2e-6)
+
+
+@pytest.mark.parametrize("centreline", ["straight", "cosine"])
+def test_slopes_of_what_a_stiffer_yarn_carries_are_differences_of_it(centreline):
+    """By its height and by the force that compresses it."""
+    cell = CellModel(FABRIC, LAWS, GAP, centreline=centreline, slack=SLACK, stiffening=STIFFENING)
+    crossover = cell.crossover
+    for yarn, w, higher, F in zip(
+        (crossover.warp, crossover.weft), FABRIC.weave.w, (1.4, 1.25), (0.6, 1.7)
+    ):
+        h = higher * crossover_kernels.slack_height(w, yarn, crossover)
+        assert crossover_kernels.length(w, h, yarn, crossover)[0] > 1.001 * yarn.S0
+        _, by_height, by_force = crossover_kernels.carried_force(w, h, F, yarn, crossover)
+
+        def carried(h, F, yarn=yarn, w=w):
+            return crossover_kernels.carried_force(w, h, F, yarn, crossover)[0]
+
+        step = 1e-5 * h
+        rise = carried(h + step, F) - carried(h - step, F)
+        assert by_height == pytest.approx(rise / (2 * step), rel=1e-6)
+        rise = carried(h, 1.0001 * F) - carried(h, 0.9999 * F)
+        assert by_force == pytest.approx(rise / (2e-4 * F), rel=1e-6)
 
 
 def test_the_table_is_filled_with_the_cells_own_states():

@@ -261,3 +261,26 @@ def test_bound_of_a_single_cell_of_constant_tension():
     assert_array_equal(steps[: first - 1], 0.0)
     assert_allclose(steps[first - 1 : first + 1, 1], T - N, rtol=1e-8)
     assert_allclose(steps[first + 1 :], np.tile([T, 0.0], (256 - first, 1)), rtol=1e-8)
+
+
+def test_stiffness_is_the_largest_eigenvalue_of_the_tangent():
+    """By the cell itself in four states near the strengths, of tangents by differences: none is stiffer than the table
+    says, and the stiffest is so to the table's steps. Warp and weft have unlike counts."""
+    fabric = catalogue.load("glass-unbalanced")
+    cell = CellModel(fabric)
+    table = cell.table(81)
+    weave = fabric.weave
+    counts = (weave.warp_count, weave.weft_count)
+    top = table.stretch1[-2], table.stretch2[-2]
+    step = 1e-5
+    stiffest = 0.0
+    for state in (top, (top[0], 1.0), (1.0, top[1]), (1.004, 1.006)):
+        K = np.empty((2, 2))
+        for j in range(2):
+            moved = step * np.eye(2)[j]
+            more, less = (cell.solve(*(np.array(state) + sign * moved)) for sign in (1, -1))
+            for i in range(2):
+                name = f"N{i + 1}"
+                K[i, j] = counts[i] * float(more[name] - less[name]) / (2 * step)
+        stiffest = max(stiffest, np.linalg.eigvalsh(0.5 * (K + K.T)).max())
+    assert table.stiffness() == pytest.approx(stiffest, rel=0.02)

@@ -7,7 +7,8 @@ from typing import Annotated
 import pytest
 
 from fabrics.base.errors import InputError
-from fabrics.base.schema import flag, key, number, quantity, refuse_unread
+from fabrics.base.schema import Table, flag, key, number, quantity, refuse_unread, validated
+from fabrics.base.units import FACTORS
 from shellfabric.jit.declared import row_of
 
 
@@ -54,3 +55,13 @@ def test_a_number_that_a_model_does_not_read_is_refused_by_its_name():
 def test_who_reads_a_number_has_to_be_said():
     with pytest.raises(TypeError):
         key(flag("whether it acts"))
+
+
+@pytest.mark.parametrize("unit", [*FACTORS, "J/m", "N s/m"])
+def test_a_quantity_may_have_a_unit_that_no_other_one_has(unit):
+    class Given(Table):
+        stretch: quantity("an invented quantity", unit, f"3 {unit}")
+
+    with pytest.raises(InputError, match="above 0, such as") as refused:
+        validated(Given, {"stretch": "seven"}, "scene.toml")
+    assert "stretch = 'seven': must be a" in str(refused.value)

@@ -202,9 +202,10 @@ def touch(x, quads, mirror, tangent=False, friction=0.0, away=(0.0, 0.0)):
 
 @pytest.fixture
 def pressed(wavy):
-    """Slave faces: one deep in the master, one within the toe, one that slides off the edge, one clear of contact."""
-    middles = [(0.7, 0.8), (2.2, 1.6), (5.1, 2.2), (1.5, 3.1)]
-    depths = [0.03, 0.0005, 0.02, -0.05]
+    """Slave faces: one deep in the master, one within the toe, one that slides off an edge, one clear of contact, one
+    that slides off a corner, over one side by more than over the other."""
+    middles = [(0.7, 0.8), (2.2, 1.6), (5.1, 2.2), (1.5, 3.1), (NI - 0.88, NJ - 0.95)]
+    depths = [0.03, 0.0005, 0.02, -0.05, 0.025]
     points = []
     for (i, j), depth in zip(middles, depths):
         for a, b in ((-0.1, -0.1), (0.1, -0.12), (0.11, 0.1), (-0.1, 0.1)):

@@ -6,6 +6,7 @@ from equations import assert_tangent, dense
 from numpy.testing import assert_allclose
 
 from unitcell3d.material.fibre_kernels import bar_forces, bar_strains, bar_tangent, fibre_law
+from unitcell3d.material.fibres import Fibres
 
 R = 1e-3
 D = 1e-4
@@ -90,3 +91,14 @@ def test_tangent_is_the_derivative(bundle):
     # the bar at zero strain stands on its kink of second order: with it the difference is good to the step
     check(np.arange(len(pairs)), 1e-7, 1e-2)
     check(np.delete(np.arange(len(pairs)), [2, 3]), 1e-5, 1e-9)
+
+
+def test_the_mean_strain_of_a_yarn_is_that_of_its_fibre_volume(tiny, s720):
+    fibres = Fibres(tiny, s720)
+    strain = np.random.default_rng(2).uniform(-0.01, 0.03, len(fibres.pairs))
+    found = fibres.means(strain)
+    for yarn, (pairs, area) in enumerate(zip(tiny.bars, tiny.bar_area)):
+        edges = tiny.points[pairs[:, 1]] - tiny.points[pairs[:, 0]]
+        volume = area * np.linalg.norm(edges, axis=1)
+        of_yarn = strain[fibres.yarn == yarn]
+        assert found[yarn] == pytest.approx((volume * of_yarn).sum() / volume.sum(), rel=1e-12)

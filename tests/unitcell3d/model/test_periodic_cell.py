@@ -88,19 +88,20 @@ def test_tangent_is_the_derivative(model):
     assert_model_tangent(model, q, load, direction)
 
 
-def test_moment_and_tensions_are_the_work_of_the_load(model):
-    """On a state that is no equilibrium too: internal forces . d(positions) by gamma, d1 and d2."""
-    load = CellLoad(model.w, (5e-6, 3e-6), 0.2)
-    q = 1e-7 * np.random.default_rng(4).standard_normal(model.size)
-    forces = model.forces(q, load)[0]
-    step = 1e-7
-    moved = [model.positions(q, CellLoad(model.w, load.d, 0.2 + s * step)) for s in (1, -1)]
-    assert model.moment(forces, load) == pytest.approx(
-        np.sum(forces * (moved[0] - moved[1])) / (2 * step), rel=1e-6
-    )
-    moved = [model.positions(q, CellLoad(model.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
-    work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
-    assert 2 * model.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
+def test_moment_and_tensions_are_the_work_of_the_load(model, four, s720):
+    """Per crossing of one or of four, on a state that is no equilibrium too: internal forces . d(positions) by
+    gamma, d1 and d2."""
+    for cell in (model, CellModel(four, s720)):
+        load = CellLoad(cell.w, (5e-6, 3e-6), 0.2)
+        q = 1e-7 * np.random.default_rng(4).standard_normal(cell.size)
+        forces = cell.forces(q, load)[0]
+        step = 1e-7
+        moved = [cell.positions(q, CellLoad(cell.w, load.d, 0.2 + s * step)) for s in (1, -1)]
+        work = np.sum(forces * (moved[0] - moved[1])) / (2 * step)
+        assert cell.crossings * cell.moment(forces, load) == pytest.approx(work, rel=1e-6)
+        moved = [cell.positions(q, CellLoad(cell.w, (5e-6 + s * 1e-9, 3e-6), 0.2)) for s in (1, -1)]
+        work = np.sum(forces * (moved[0] - moved[1])) / 2e-9
+        assert 2 * cell.crossings * cell.tensions(forces, load)[0] == pytest.approx(work, rel=1e-6)
 
 
 def test_stick_state_is_that_of_the_crossings_alone(model):
@@ -174,6 +175,17 @@ def test_edges_push_each_other_apart_in_balance(crossing):
     assert forces[FIRST, 1].sum() == pytest.approx(force, rel=0.01)
     apart = crossing + np.where(np.arange(2 * NODES)[:, None] < NODES, 0, 1) * [0, 0.3, 0]
     assert touch(apart)[3] == 0
+
+
+@pytest.mark.parametrize("edge", [FIRST, SECOND], ids=["first", "second"])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_an_edge_that_ends_before_the_other_does_not_touch_it(edge, side, crossing):
+    """Its nearest point is its end, about which the curves would go on through each other."""
+    ended = crossing.copy()
+    ended[edge] += side * 2.9 * np.array([1, 0, 0.3 if edge is FIRST else -0.3])
+    forces, nodes, gap, force = touch(ended)
+    assert (gap, force, nodes[0]) == (np.inf, 0.0, -1)
+    assert not forces.any()
 
 
 def test_tangent_of_edges_is_the_derivative_and_symmetric(crossing):

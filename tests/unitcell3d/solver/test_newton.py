@@ -105,6 +105,26 @@ def test_a_kink_met_from_its_soft_side_is_found():
     assert 0.5 < share < 0.91
 
 
+def test_trials_along_a_step_stay_between_what_pulls_on_and_what_pulls_back():
+    """0.1 N/m up to 0.9 of the step, so that no trial before the kink ends the search; they halve the way to it."""
+    tried = []
+
+    class Kinked(newton.Newton):
+        def _evaluate(self, q, load):
+            tried.append(q[0])
+            r = np.array([0.1 * q[0] - 1.0 + 1e4 * max(q[0] - 0.9, 0.0)])
+            return newton.Equilibrium(q, None, r, 0.0, np.zeros(2), abs(r[0]), 1.0)
+
+    solver = Kinked(model=None)
+    state = solver._evaluate(np.zeros(1), None)
+    step = np.ones(1)
+    end = solver._evaluate(step, None)
+    tried.clear()
+    _, share = solver._along(state, step, end, None)
+    assert tried == pytest.approx([0.1, 0.55, 0.595, 0.7975, 0.81775])
+    assert share == tried[-1]
+
+
 def test_linear_guess_follows_the_load(tiny, s720):
     """Halving the load's step divides what the guess leaves by four."""
     model = CrossoverModel(tiny, s720)

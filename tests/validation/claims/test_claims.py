@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fabrics.base.errors import InputError, UnstableError
-from validation import study
+from validation import csv_file
 from validation.claims import changed_fabrics, command, judge, readers, runner, runs, table, turns
 from validation.claims import claims as data
 
@@ -81,7 +81,7 @@ def test_a_tenth_of_an_input_turns_the_verdict(folder, claim):
 
 def test_turns_are_of_reproduced_claims():
     reproduced = {claim.id for claim in data.load() if claim.verdict == judge.REPRODUCED}
-    looked = {row["id"] for row in study.read(study.DATA / turns.FILE)[1]}
+    looked = {row["id"] for row in csv_file.read(csv_file.DATA / turns.FILE)[1]}
     assert looked
     assert looked <= reproduced - set(turns.OF_CLOCKS)
 
@@ -142,7 +142,7 @@ def test_one_claim_by_its_name(capsys, tmp_path, monkeypatch):
 
 
 def test_recorded_verdicts_are_those_of_the_page():
-    page = {row["id"]: row["verdict"] for row in study.read(RECORDED)[1]}
+    page = {row["id"]: row["verdict"] for row in csv_file.read(RECORDED)[1]}
     assert set(page) == {claim.id for claim in data.load()}
     judged = [claim for claim in data.load() if claim.conditions]
     assert [claim.id for claim in judged if page[claim.id] != claim.verdict] == []
@@ -266,7 +266,7 @@ def test_readings_say_what_is_open_and_doubles_name_a_claim_that_is_counted():
 def test_the_page_has_one_count(tool):
     """The three counts are those of the tables: missed claims are as many as the page lists."""
     claims_page = tool("claims_page")
-    _, rows = study.read(RECORDED)
+    _, rows = csv_file.read(RECORDED)
     thesis = claims_page.of_thesis(rows)
     missed = [row for row in thesis if row["verdict"] == judge.MISSED]
     found = claims_page.shares()
@@ -357,7 +357,7 @@ def test_the_command_ends_well_and_a_turned_verdict_ends_with_1(tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     chosen = {"topics": ["geom"], "no_variants": True, "jobs": 1}  # which fire no shots
     assert command.main(out=tmp_path, **chosen) == 0
-    made, rows = study.read(tmp_path / "claims.csv")
+    made, rows = csv_file.read(tmp_path / "claims.csv")
     assert made.startswith("python -m validation claims --no-variants, commit ")
     assert {row["verdict"] for row in rows} >= {judge.REPRODUCED, judge.DATA}
     monkeypatch.setattr(judge, "REPRODUCED", judge.MISSED)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from fabrics.base.errors import InputError
-from validation import origin, stale, study
+from validation import csv_file, origin, stale
 from validation.measured import command, rows, statistics
 
-KEPT = {row["id"]: row["coarse"] for row in study.read(study.DATA / "measured.csv")[1]}
+KEPT = {row["id"]: row["coarse"] for row in csv_file.read(csv_file.DATA / "measured.csv")[1]}
 
 
 def test_rows_have_a_source_and_a_number_or_a_reason():

@@ -227,22 +227,6 @@ REFUSED += [
 ]
 REFUSED += [  # keys that a function does not read, as in an input file
     (
-        lambda: wc.patch("S-720", 60.0, crossover_gap=1e-6, check=True),
-        "crossover_gap = 1e-06: must be left out with solid yarns",
-    ),
-    (
-        lambda: wc.patch("S-720", 60.0, cell_model="incompressible", check=True),
-        "cell_model = 'incompressible': must be left out with solid yarns",
-    ),
-    (
-        lambda: wc.patch("S-720", 60.0, strength={"weibull_shape": 12.0}, check=True),
-        "strength: must be left out: the yarns of a patch are all alike",
-    ),
-    (
-        lambda: wc.patch("S-720", 60.0, bending=1e-6),
-        "bending = 1e-06: must be left out: the yarns of",
-    ),
-    (
         lambda: wc.v50("S-720", strength={"weibull_shape": 12.0}, check=True),
         "strength: must be left out: a V50 draws the strengths itself",
     ),

@@ -55,12 +55,6 @@ OPTIONS = {
         **OF_V50,
     },
     "reduce_tests": {"tolerance": [1, 2]},
-    "patch": {
-        "struck": ["gap", "crossover"],
-        "crossings": [12, 14],
-        "duration": ["20 us", "30 us"],
-        "mesh": ["2,2,1", "2,2,2"],
-    },
 }
 SWEPT = {
     "tolerance": [1, 2],
@@ -77,7 +71,7 @@ def arguments(tmp_path):
     tests.write_text("velocity [m/s], outcome\n60, PP\n120, CP\n")
     shot = ["S-720", "90 m/s"]
     others = {"compare": ["S-720", "S-728"], "reduce_tests": [str(tests), "S-720"]}
-    return others | {"impact": shot, "patch": shot}
+    return others | {"impact": shot}
 
 
 @pytest.mark.parametrize("name", OPTIONS)
@@ -129,11 +123,10 @@ CALLS = {
         "over": {"panel.opening": ["20 mm"]},
         "quantity": "critical-velocity",
     },
-    "patch": {"velocity": "60 m/s"},
     "biaxial": {},
     "coupon": {"test": "picture_frame", "crossovers": 2, "shear_angle": "4 deg"},
 }
-NAMES = {"impact": "report.html", "patch": "patch.csv", "biaxial": "biaxial.csv"}
+NAMES = {"impact": "report.html", "biaxial": "biaxial.csv"}
 
 
 @pytest.mark.parametrize("name", CALLS)
@@ -152,7 +145,7 @@ def test_a_check_refuses_the_folder_that_the_run_refuses(name, place, tmp_path, 
         (tmp_path / folder).mkdir()
     (tmp_path / "mine" / written).write_text("of the user")
     (tmp_path / "file").write_text("of the user")
-    resumable = name not in ("patch", "biaxial")
+    resumable = name != "biaxial"
     if place == "others" and resumable:
         with out_folder.hold("others", [], inputs=["another input"]):
             (tmp_path / "others" / "kept").write_text("")

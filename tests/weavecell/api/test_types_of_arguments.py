@@ -42,7 +42,6 @@ LEAST = {
     "crossover.yarn": ("S-720",),
     "impact": ("S-720", "140 m/s", SMALL),
     "mesh": ("S-720",),
-    "patch": ("S-720", "140 m/s", {"opening": "26 mm"}),
     "plies": ("S-720", {"stop": "FSP 1.10 g", "at": "250 m/s", "opening": "40 mm"}),
     "reduce_pull_out": ("S-728", "peaks.csv", {"crossings": 10}),
     "reduce_tests": ("tests.csv",),

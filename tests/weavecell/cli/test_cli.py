@@ -69,7 +69,6 @@ def test_a_command_takes_the_numbers_that_its_function_takes(command, option, le
         ("v50", {"target": "scenes/shot.toml"}, "v50-shot"),
         ("critical-velocity", {"target": "S-720"}, "critical-velocity-S-720"),
         ("compare", {"target": "a.toml", "other": "old/b.toml"}, "compare-a-b"),
-        ("patch", {"target": "shot.toml"}, "patch-shot"),
         ("sweep", {"target": "shot.toml"}, "sweep-shot"),
         ("calibrate", {"fabric": "mine.toml"}, "calibrate-mine"),
     ],

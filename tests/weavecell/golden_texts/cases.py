@@ -63,8 +63,8 @@ FITTED = 1e-5  # [m/s]
 
 @contextlib.contextmanager
 def invented():
-    """Shots of studies, and patches, are invented: a limit that is a little blurred."""
-    from weavecell.studies import ballistic_limit, small_patch
+    """Shots of studies are invented: a limit that is a little blurred."""
+    from weavecell.studies import ballistic_limit
 
     def fire(_, velocity, __, stops_below=0.0):
         limit = 104.0 + 3.0 * sin(17.0 * velocity)
@@ -77,18 +77,8 @@ def invented():
             velocity, residual, outcome, 1e-2 / velocity, 3.0, tension, 1e-5 * velocity, 0.5
         )
 
-    def strike(patch):
-        t = np.linspace(0.0, patch.duration, 21)
-        for k, model in enumerate(small_patch.MODELS):
-            v = patch.shot.strike_velocity * (1 - (0.2 + 0.01 * k) * t / patch.duration)
-            z = np.cumsum(v) * t[1]
-            yield lambda m=model, v=v, z=z, k=k: small_patch.Struck(
-                m, t, v, z, (k + 1) * 4e-6, 1e-3 * (k + 1), 100 + k, 0.25
-            )
-
     with (
         mock.patch.object(ballistic_limit, "_fire", fire),
-        mock.patch.object(small_patch.SmallPatch, "strike", strike),
     ):
         yield
 

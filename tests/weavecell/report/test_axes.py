@@ -101,7 +101,6 @@ def test_no_label_is_written_by_hand_where_a_column_is_drawn():
     [
         ("deflection", "histories", ("deflection of the back face [mm]", 1e3)),
         ("time", "histories", ("time after strike [µs]", 1e6)),
-        ("time_s", "patch", ("time since the first touch [µs]", 1e6)),
         ("time_s", "shot", ("time [µs]", 1e6)),
         ("strain", "yarn", ("strain of the fibres [%]", 100.0)),
         ("force_N", "shot", ("force [N]", 1.0)),
@@ -111,8 +110,3 @@ def test_no_label_is_written_by_hand_where_a_column_is_drawn():
 )
 def test_an_axis_has_words_unit_and_factor_of_its_key(name, of, axis):
     assert keys.find_axis(name, of) == axis
-
-
-def test_a_column_has_its_own_words_beside_a_number_of_its_name():
-    """The summary of a patch has numbers that are named as its columns are."""
-    assert keys.find_axis("*_velocity_m_s", "patch").label == "velocity [m/s]"

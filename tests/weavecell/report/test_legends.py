@@ -804,27 +804,6 @@ def pull_outs(pyplot):
     return None
 
 
-@case(pictures_records.draw_noses)
-def noses(pyplot):
-    """A line a model in both axes, of one colour; its name stands in the legend of the first."""
-    curves = [
-        (name, rising(4, 1e-6), rising(4, 1e-3), numbers(4, high=50.0))
-        for name in ("pinned", "yarns", "solids")
-    ]
-    figure = pictures_records.draw_noses(pyplot, curves, 3e-6, "a patch")
-    assert figure.get_suptitle() == "a patch"
-    in_time, over_way = figure.axes
-    names = [text.get_text() for text in in_time.get_legend().get_texts()]
-    assert names == [name for name, *_ in curves]
-    for (name, t, z, v), first, second in zip(curves, in_time.lines, over_way.lines, strict=False):
-        assert first.get_label() == name
-        assert first.get_color() == second.get_color()
-        assert_allclose(first.get_xydata(), xy(1e6 * np.array(t), v))
-        assert_allclose(second.get_xydata(), xy(1e3 * np.array(z), v))
-    assert_allclose(in_time.lines[-1].get_xdata(), 3.0)
-    return None
-
-
 @case(pictures_records.draw_motion)
 def motion(pyplot):
     record = Made(bandwidth=25e3)

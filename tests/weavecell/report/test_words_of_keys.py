@@ -226,16 +226,6 @@ def test_the_check_of_a_comparison_names_a_and_b():
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_the_check_of_a_patch_says_what_each_model_assumes():
-    size = wc.patch("S-720", "60 m/s", yarn_failure=False, crossings=16, check=True)
-    said = dict(size.said.assumptions)
-    assert said["crossovers (pinned crossovers)"].startswith("Warp and weft are pinned")
-    assert said["crossovers (resolved yarns)"].startswith("Yarns are resolved in the whole panel")
-    assert "whose fibres do not fail" in said["solid yarns"]
-    assert "S-720, 60 m/s: 16 x 16 crossovers, struck in a gap." in str(size)
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
 def test_the_check_of_a_coupon_says_test_law_and_choices():
     of_frame = {"shear_angle": "5 deg", "crossovers": 2, "steps": 3, "tolerance": 0.02}
     size = wc.coupon("S-720", "picture_frame", check=True, **of_frame)

@@ -41,7 +41,6 @@ MADE = {
         wc.coupon("S-720", "picture_frame", shear_angle="4 deg", crossovers=2, steps=2), out
     ),
     "mesh": lambda out: _with_doubt(wc.mesh("S-720", mesh="3,2,2"), out),
-    "patch": lambda out: _with_doubt(wc.patch("S-720", "60 m/s", duration="1 us"), out),
     "biaxial": lambda out: _with_doubt(wc.biaxial("S-731", ratio=["2:1"]), out),
     "biaxial fit": lambda out: _with_doubt(wc.calibrate("S-731", biaxial=_tests_of_paths()), out),
     "surface": lambda out: _with_doubt(_surface(), out),

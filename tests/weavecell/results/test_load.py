@@ -86,7 +86,6 @@ MADE = {
     ),
     "tests": lambda out: wc.reduce_tests("tests.csv", out=out),
     "comparison": lambda out: wc.reduce_tests("tests.csv", "S-720", **SMALL, out=out),
-    "patch": lambda out: wc.patch("S-720", "150 m/s", duration="4 us", out=out),
     "compression": lambda out: wc.reduce_compression("ply.csv", platen_area="361 mm^2", out=out),
     "pull-outs": lambda out: wc.reduce_pull_out("S-728", "peaks.csv", tension="2 N", out=out),
     "shot": lambda out: wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz", out=out),

@@ -35,7 +35,6 @@ OTHERS = {
     ),
     "a or b": ("compare S-720 S-728", "difference.json difference.svg a/v50.json report.html"),
     "mesh": ("mesh S-720 --format k,rad", "crossover.k crossover_0000.rad quality.png mesh.json"),
-    "three models": ("patch one-ply.toml", "patch.json patch.csv patch.svg"),
     "patch": ("mesh S-720 --patch 2x2 --format inp", "patch.inp patch.png"),
     "reduce shot": ("reduce shot flight.csv --mass '3 g'", "shot.json motion.csv motion.svg"),
     "reduce compression": (
@@ -77,7 +76,6 @@ def not_computed(monkeypatch):
         "shellfabric.impact.run.run_impact",
         "weavecell.studies.ballistic_limit.shoot",
         "weavecell.studies.biaxial_path.to_strength",
-        "weavecell.studies.small_patch.SmallPatch.strike",
         "weavecell.runs.laboratory_tests.reduce",
         "weavecell.studies.displacement_record.reduce",
         "weavecell.studies.pull_out_tests.reduce",

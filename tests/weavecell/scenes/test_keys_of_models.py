@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from fabrics.base import run_cache, schema
+from fabrics.base import schema
 from fabrics.base.errors import InputError
 from shellfabric.impact.run import run_impact
 from tests.scene_text import merged, table_of
@@ -19,8 +19,7 @@ from weavecell.results import coupon as coupon_results
 from weavecell.scenes import build
 from weavecell.scenes.coupon import TESTS, CouponScene
 from weavecell.scenes.fabric_table import check_scene
-from weavecell.scenes.impact import Scene, check
-from weavecell.studies.small_patch import SmallPatch, fewest_crossings
+from weavecell.scenes.impact import check
 
 SHOT = {
     "fabric": {"name": "S-726"},
@@ -126,7 +125,6 @@ NAMED = {
     ("yarns", "panel.ply.count"): "zone",
     ("yarns", "panel.areal_density"): "zone",
     ("pack", "panel.areal_density"): "plies",
-    ("patch", "projectile.stl_unit"): "diameter",
 }
 # by which a refusal names its model
 WORDS = {
@@ -135,7 +133,6 @@ WORDS = {
     "metal": "metal|drawing",
     "block": "block|backing",
     "pack": "plies|pack",
-    "patch": "patch|solid yarns",
     "coupon": "coupon|pull-out|quasi-static|frame",
 }
 KEYS = [key for key in ENTRIES if not key.startswith(LEFT_OUT) and key not in NO_BITS]
@@ -195,14 +192,6 @@ def fire(scene):
     if setup.crossovers is not None:
         setup = replace(setup, crossovers=replace(setup.crossovers, half_width=inf))
     return digest_of(run_impact(setup))
-
-
-def plan(scene):
-    """Digests of the three models of a patch, which are struck as planned."""
-    setup = build.setup(build.build(check(scene, None, "patch"), None, "s"), None)
-    patch = SmallPatch(setup, max(fewest_crossings(setup), 20))
-    models = (patch.pinned_setup(), patch.yarns_setup(), (patch.solids(), setup.strike_velocity))
-    return tuple(map(run_cache.inputs_digest, models))
 
 
 def relax(scene):
@@ -269,29 +258,6 @@ def test_a_key_is_refused_or_changes_the_shot(model, key, answer):
         judge(found, model, key)
         if (model, key) not in NAMED and read_by_pinned(answer, context, key, value):
             assert re.search(WORDS[model], str(found)), found
-
-
-@pytest.mark.parametrize("key", [*KEYS, "panel.zone"])
-def test_a_key_is_refused_or_changes_the_patch(key, answer):
-    """Or it is declared as one that means nothing to a patch, and then changes none of its models."""
-    context, value = OTHERWISE.get(key) or row(key)[:2]
-    base = merged(merged(SHOT, {"run": {"end_time": "60 us"}}), OF_BLOCKS.get(key[:8], {}))
-    base = merged(base, context)
-    without = answer(plan, base)
-    if isinstance(without, InputError):
-        assert re.search(WORDS["patch"], str(without)), without
-        return
-    found = answer(plan, with_value(base, key, value))
-    if isinstance(found, InputError):
-        judge(found, "patch", key)
-        if key not in OF_YARNS:
-            assert re.search(WORDS["patch"], str(found)), found
-        return
-    passed = schema.unread(Scene, "patch")
-    if any(passed.get(name) == "" for name in schema.with_tables(key)):
-        assert found == without
-    else:
-        assert found != without
 
 
 COUPONS = {

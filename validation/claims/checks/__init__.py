@@ -19,6 +19,7 @@ from validation.cases.block import march  # noqa: F401
 from validation.claims import readers
 from validation.claims.checks import cell, compression, weave
 from validation.models import cell_equations, newton
+from validation.models.crossover_law import fitted  # noqa: F401
 from validation.published.biaxial_glass import free_edge  # noqa: F401
 from validation.values import Values
 from weavecell.studies.biaxial_path import to_strength  # noqa: F401

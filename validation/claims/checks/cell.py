@@ -304,14 +304,6 @@ def look_up(fabric: str, n: int, samples: int) -> Values:
     return {"largest error over strength": error, "speed-up": (solved - begun) / reading}
 
 
-def fitted(*paths: Any) -> CompressionLaw:
-    """Fit the CompressionLaw to paths of the 3D crossover as `unitcell3d.identify.calibration`
-    does."""
-    from unitcell3d.identify.calibration import samples
-
-    return CompressionLaw.fit(*(np.concatenate(parts) for parts in zip(*map(samples, paths))))
-
-
 def cell_along(path: Any, fabric: str, law: CompressionLaw | None = None) -> Values:
     """Follow a warp extension of the crossover with the cell and its published law, or another:
     largest differences of the tensions over their peaks, and of the energy from the work of the

@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fabrics import catalogue, yarn_stress_kernels
-from shellfabric.solids import law_kernels
 from tests.meshing.hexahedra import CUBE
+from validation.models.solids import law_kernels
 
 SOLID = catalogue.load("S-720").solid_laws[0]
 LAW = (SOLID.E_a, SOLID.a_E, SOLID.b_E, SOLID.Vf0, SOLID.V_c, SOLID.G)

@@ -8,10 +8,15 @@ The solids' law has no potential, so their energy is booked as the work that the
 import numpy as np
 
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.solids.facet_kernels import contact_forces
-from shellfabric.solids.nose_kernels import nose_forces
-from shellfabric.solids.tip_kernels import tip_forces
-from shellfabric.solids.yarn_kernels import add_bar_rows, add_brick_rows, bar_forces, brick_forces
+from validation.models.solids.facet_kernels import contact_forces
+from validation.models.solids.nose_kernels import nose_forces
+from validation.models.solids.tip_kernels import tip_forces
+from validation.models.solids.yarn_kernels import (
+    add_bar_rows,
+    add_brick_rows,
+    bar_forces,
+    brick_forces,
+)
 
 
 @entry()

@@ -11,9 +11,9 @@ from fabrics import catalogue
 from fabrics.base import run_cache
 from fabrics.base.errors import InputError
 from shellfabric.loop import checkpoint
-from shellfabric.solids.numerics import SolidNumerics
-from shellfabric.solids.strike import strike
-from tests.shellfabric.solids.solid_patches import SHOT, struck, woven
+from tests.validation.models.solids.solid_patches import SHOT, struck, woven
+from validation.models.solids.numerics import SolidNumerics
+from validation.models.solids.strike import strike
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@ import pytest
 
 pytest.importorskip("gmsh")
 
-from shellfabric.solids import facet_kernels, nose_kernels, spline_kernels, tip_kernels
-from shellfabric.solids.mesh import SolidMesh
-from shellfabric.solids.model import SolidPatch
-from tests.shellfabric.solids.solid_patches import FABRIC, SHOT, pressed, settled, woven
+from tests.validation.models.solids.solid_patches import FABRIC, SHOT, pressed, settled, woven
+from validation.models.solids import facet_kernels, nose_kernels, spline_kernels, tip_kernels
+from validation.models.solids.mesh import SolidMesh
+from validation.models.solids.model import SolidPatch
 
 KERNELS = {"facets": facet_kernels.contact_forces, "tips": tip_kernels.tip_forces}
 

@@ -29,11 +29,11 @@ from meshing import patch
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.panel_numbers import CellNumbers, PanelNumbers
-from shellfabric.solids.mesh import SolidMesh
-from shellfabric.solids.model import SolidPatch, check_projectile
-from shellfabric.solids.solver import SolidSolver
-from shellfabric.solids.strike import LONGEST, MOST
 from shellfabric.yarns.model import LEAST_ROWS, REACH, RIM_ROWS, YarnZone
+from validation.models.solids.mesh import SolidMesh
+from validation.models.solids.model import SolidPatch, check_projectile
+from validation.models.solids.solver import SolidSolver
+from validation.models.solids.strike import LONGEST, MOST
 
 Place = Literal["gap", "crossover"]
 MODELS = ("pinned", "yarns", "solids")

@@ -21,10 +21,10 @@ from meshing import patch
 from shellfabric.loop import checkpoint
 from shellfabric.loop.driver import Hook, run_to_end
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solids.mesh import SolidMesh
-from shellfabric.solids.model import SolidPatch
-from shellfabric.solids.numerics import SolidNumerics
-from shellfabric.solids.solver import SolidSolver
+from validation.models.solids.mesh import SolidMesh
+from validation.models.solids.model import SolidPatch
+from validation.models.solids.numerics import SolidNumerics
+from validation.models.solids.solver import SolidSolver
 
 FEWEST = 3
 MOST = 40  # crossings of a side: 40 x 40 of the coarsest mesh are 50,000 hexahedra

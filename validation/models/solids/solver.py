@@ -15,8 +15,8 @@ import numpy as np
 from fabrics.base.checks import FloatArray
 from shellfabric.guards import ENERGY_ERROR_LIMIT
 from shellfabric.loop.driver import RUNNING, ExplicitSolver
-from shellfabric.solids import facet_kernels, step_kernels
-from shellfabric.solids.model import SolidPatch
+from validation.models.solids import facet_kernels, step_kernels
+from validation.models.solids.model import SolidPatch
 
 SAME = 16  # steps of one length
 GROWTH = (

@@ -22,10 +22,10 @@ from fabrics.base.errors import InputError
 from fabrics.fabric import Fabric
 from shellfabric.block.hex8 import CORNERS, Bricks, at_points
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solids import facet_kernels, step_kernels, tip_kernels
-from shellfabric.solids.mesh import SolidMesh, corners, facet_areas
-from shellfabric.solids.numerics import SolidNumerics
-from shellfabric.solids.state import SolidRow
+from validation.models.solids import facet_kernels, step_kernels, tip_kernels
+from validation.models.solids.mesh import SolidMesh, corners, facet_areas
+from validation.models.solids.numerics import SolidNumerics
+from validation.models.solids.state import SolidRow
 
 FACES = facet_kernels.FACES
 TOUCHING = 1e-9  # [m] from the projectile to the yarns at the start

@@ -20,8 +20,8 @@ import numpy as np
 from fabrics import yarn_stress_kernels
 from shellfabric.block.brick_kernels import brick_nodes, hourglass, mean_deformation
 from shellfabric.jit.compile import kernel
-from shellfabric.solids.law_kernels import damped_stress, elastic_stress, moduli_bound
 from shellfabric.surface.vector_kernels import dot, scaled, subtract, three
+from validation.models.solids.law_kernels import damped_stress, elastic_stress, moduli_bound
 
 FOLDED = 0.1  # length of fibres over that at rest
 CORNERS = 8

@@ -16,10 +16,10 @@ import numpy as np
 from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
-from shellfabric.solids import step_kernels
-from shellfabric.solids.facet_kernels import pressure
-from shellfabric.solids.mesh import facet_areas
-from shellfabric.solids.model import SolidPatch
+from validation.models.solids import step_kernels
+from validation.models.solids.facet_kernels import pressure
+from validation.models.solids.mesh import facet_areas
+from validation.models.solids.model import SolidPatch
 
 DAMPING = 2e5  # [1/s] of all velocities
 STEPS_OF_A_LENGTH = 50

@@ -37,8 +37,8 @@ import numpy as np
 
 from shellfabric.contact.friction_kernels import slide
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.solids.spline_kernels import STENCIL, make_scratch, sign_of, surface_point
 from shellfabric.surface.vector_kernels import add_scaled, cross, dot, scaled, subtract, three
+from validation.models.solids.spline_kernels import STENCIL, make_scratch, sign_of, surface_point
 
 LONGEST_WAIT = 60  # steps
 TRIES = 6  # steps of Newton's method from a foot that has been left behind

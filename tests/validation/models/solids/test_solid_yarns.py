@@ -9,13 +9,13 @@ from fabrics.base.errors import InputError
 from meshing import crossover
 from shellfabric.block.hex8 import CORNERS
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solids import step_kernels
-from shellfabric.solids.drawn import draw
-from shellfabric.solids.mesh import SolidMesh, corners
-from shellfabric.solids.model import SolidPatch
-from shellfabric.solids.numerics import SolidNumerics
-from tests.shellfabric.solids.solid_patches import FABRIC, SHOT, woven
-from tests.shellfabric.solids.test_solid_law_kernels import plain_stress
+from tests.validation.models.solids.drawn import draw
+from tests.validation.models.solids.solid_patches import FABRIC, SHOT, woven
+from tests.validation.models.solids.test_solid_law_kernels import plain_stress
+from validation.models.solids import step_kernels
+from validation.models.solids.mesh import SolidMesh, corners
+from validation.models.solids.model import SolidPatch
+from validation.models.solids.numerics import SolidNumerics
 
 
 @pytest.fixture(scope="module")

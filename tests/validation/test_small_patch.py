@@ -8,8 +8,6 @@ from types import SimpleNamespace as Given
 import numpy as np
 import pytest
 
-import weavecell as wc
-
 pytest.importorskip("gmsh")
 
 from fabrics import catalogue
@@ -18,11 +16,11 @@ from meshing import patch
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
 from shellfabric.yarns.model import YarnZone
-from weavecell.api.patches import PatchResult
-from weavecell.studies import small_patch
-from weavecell.studies.small_patch import SmallPatch, Struck
+from validation import patch as program
+from validation.cases import small_patch
+from validation.cases.small_patch import SmallPatch, Struck
 
-OWN = Path(__file__).parent.parent / "own_fabrics"
+OWN = Path(__file__).parents[1] / "weavecell" / "own_fabrics"
 
 
 def shot_of(radius):
@@ -148,6 +146,36 @@ def test_the_widest_nose_is_that_of_the_largest_patch():
         SmallPatch(shot_of(1.001 * most), small_patch.MOST)
 
 
+@pytest.mark.parametrize(
+    "of_shot, of_patch, line",
+    [
+        (
+            {},
+            {"crossings": 15},
+            "crossings = 15: must be an even number from 12, for this nose, to 40",
+        ),
+        ({}, {"duration": 1e-3}, "duration = 0.001: must be from 1e-06 to 0.0001 s"),
+        ({}, {"place": "yarn"}, "struck = 'yarn': must be gap or crossover"),
+        ({}, {"size": (1, 2, 1)}, "at least 2 along, 2 across and 1 through"),
+        ({"plies": 3}, {}, "plies = 3: must be 1 for a patch"),
+        (
+            {"rate_dependence": True},
+            {},
+            "rate_dependence = True: must be left out with solid yarns",
+        ),
+        (
+            {"projectile": replace(SHOT.projectile, obliquity=0.3)},
+            {},
+            "must be 0 with solid yarns, which are struck straight on",
+        ),
+    ],
+)
+def test_what_no_patch_stands_for_is_refused(of_shot, of_patch, line):
+    shot = replace(SHOT, **of_shot)
+    with pytest.raises(InputError, match=line):
+        SmallPatch(shot, **{"crossings": 12, "place": "gap", "size": (2, 2, 1)} | of_patch)
+
+
 def slowed(model, by, end=50e-6, first_failure=inf):
     """A nose that is slowed evenly by so many m/s in 50 us."""
     t = np.linspace(0.0, end, 40)
@@ -167,21 +195,6 @@ def test_the_answer_is_by_solid_yarns(pinned, yarns, words):
     assert small_patch.judge(struck, 60.0).startswith(words + ":")
 
 
-def test_the_summary_has_each_model_at_the_end_of_what_is_compared():
-    """One yarn fails after 20 us: from then on the noses say nothing."""
-    struck = [slowed("pinned", 30.0), slowed("yarns", 21.0, first_failure=20e-6)]
-    struck.append(slowed("solids", 14.0))
-    shot = Given(strike_velocity=60.0)
-    patched = Given(place="gap", crossings=12, bricks=9, friction=0.2, shot=shot, zone=YarnZone())
-    aimed = Given(setup=wc.setup("S-720", 60.0))
-    found = PatchResult(aimed, patched, tuple(struck)).summary()
-    assert found["compared_until_s"] == 20e-6
-    for model, by in (("pinned", 30.0), ("yarns", 21.0), ("solids", 14.0)):
-        assert found[f"{model}_velocity_m_s"] == pytest.approx(60.0 - 0.4 * by)
-    assert found["yarns_first_failure_s"] == 20e-6
-    assert "pinned_first_failure_s" not in found
-
-
 def test_models_are_compared_until_the_first_failure_or_end():
     """30 and 20 m/s apart from 20: in 14 us they are 2.8 m/s or 4.7 % of the strike velocity apart."""
     struck = [slowed("pinned", 30.0, first_failure=14e-6), slowed("yarns", 21.0, end=20e-6)]
@@ -193,6 +206,37 @@ def test_models_are_compared_until_the_first_failure_or_end():
     assert small_patch.largest_difference(struck[0], struck[2], 14e-6, 60.0) == pytest.approx(
         10.0 * 14 / 50 / 60
     )
+
+
+def test_the_program_prints_each_model_and_the_answer():
+    """One yarn fails after 20 us: from then on the noses say nothing."""
+    struck = [slowed("pinned", 30.0), slowed("yarns", 21.0, first_failure=20e-6)]
+    struck.append(slowed("solids", 14.0))
+    head, pinned, yarns, solids, failed, _, answer = program.table(struck, 60.0)
+    assert head.split()[3:] == ["10", "us", "20", "us", "CPU", "s"]
+    assert pinned.split() == ["pinned", "crossovers", "54.0", "48.0", "1"]
+    assert yarns.split() == ["resolved", "yarns", "55.8", "51.6", "1"]
+    assert solids.split() == ["solid", "yarns", "57.2", "54.4", "1"]
+    assert failed == "resolved yarns: the first fibre fails at 20 us"
+    assert answer == small_patch.judge(struck, 60.0)
+
+
+def test_the_program_strikes_the_patch_that_was_asked_for_and_refuses_a_mesh(capsys, monkeypatch):
+    struck = [slowed("pinned", 30.0), slowed("yarns", 21.0), slowed("solids", 14.0)]
+    asked = []
+
+    def strike(patch):
+        asked.append((patch.crossings, patch.place, patch.size, patch.duration))
+        return [lambda one=one: one for one in struck]
+
+    monkeypatch.setattr(SmallPatch, "strike", strike)
+    program.main("S-720", velocity="60 m/s", struck="crossover", duration="7 us", mesh="3,2,1")
+    assert asked == [(14, "crossover", (3, 2, 1), pytest.approx(7e-6))]
+    out = capsys.readouterr().out.splitlines()
+    assert out[0].endswith("14 x 14 crossovers of 9,408 hexahedra,")
+    assert out[-1] == small_patch.judge(struck, 60.0)
+    with pytest.raises(InputError, match="mesh = 'coarse': must be three whole numbers"):
+        program.main("S-720", velocity="60 m/s", mesh="coarse")
 
 
 def test_a_patch_of_pinned_yarns_has_the_friction_of_its_own_fibres():

@@ -18,9 +18,9 @@ import numpy as np
 
 from shellfabric.contact.friction_kernels import slide
 from shellfabric.jit.compile import entry, kernel
-from shellfabric.solids.facet_kernels import CLOSE, TRIES, pressure, steps_to
-from shellfabric.solids.spline_kernels import line_weights
 from shellfabric.surface.vector_kernels import add_scaled, dot, scaled, subtract, three
+from validation.models.solids.facet_kernels import CLOSE, TRIES, pressure, steps_to
+from validation.models.solids.spline_kernels import line_weights
 
 SIDES = 2  # of a yarn
 STATIONS = 4  # that shape a line

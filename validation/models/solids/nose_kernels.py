@@ -6,7 +6,8 @@ import numpy as np
 from shellfabric.contact.friction_kernels import slide
 from shellfabric.jit.compile import kernel
 from shellfabric.projectile.sdf_kernels import distance
-from shellfabric.solids.facet_kernels import (
+from shellfabric.surface.vector_kernels import add_scaled, dot, scaled, subtract, three
+from validation.models.solids.facet_kernels import (
     FACES,
     facet_brick,
     facet_corners,
@@ -14,7 +15,6 @@ from shellfabric.solids.facet_kernels import (
     pressure,
     steps_to,
 )
-from shellfabric.surface.vector_kernels import add_scaled, dot, scaled, subtract, three
 
 STIFFER = (
     2.0**0.5

@@ -7,10 +7,10 @@ import numpy as np
 from fabrics import catalogue
 from meshing import patch
 from shellfabric.projectile.projectile import Projectile
-from shellfabric.solids import facet_kernels, tip_kernels
-from shellfabric.solids.mesh import SolidMesh
-from shellfabric.solids.model import SolidPatch
-from shellfabric.solids.solver import SolidSolver
+from validation.models.solids import facet_kernels, tip_kernels
+from validation.models.solids.mesh import SolidMesh
+from validation.models.solids.model import SolidPatch
+from validation.models.solids.solver import SolidSolver
 
 FABRIC = catalogue.load("S-720")
 SHOT = Projectile(mass=0.11e-3, radius=1.5e-3, shape="sphere", friction=0.1)
