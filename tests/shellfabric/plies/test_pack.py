@@ -20,7 +20,9 @@ GAP = 0.1e-3
 
 
 def test_far_behind_is_a_single_ply(ply, monkeypatch):
-    far = Pack((ply, ply), (0.5,), PlyContact(courant=10.0, damping=0.0))  # which leaves the step to the plies
+    far = Pack(
+        (ply, ply), (0.5,), PlyContact(courant=10.0, damping=0.0)
+    )  # which leaves the step to the plies
     # the nose's contact of a single ply is explicit
     explicit = lambda ply, mass, implicit: nose_law(ply, mass)  # noqa: E731
     monkeypatch.setattr("shellfabric.plies.model.nose_law", explicit)
