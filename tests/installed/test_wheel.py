@@ -106,6 +106,7 @@ GROUPS = {
         "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
         "reduce tests tests.csv ply.toml --tolerance 20m/s --jobs 1 --out tests",
         "compare S-720 S-728 --shots 4 --opening 30.6mm --jobs 1 --seed 2 --out compare",
+        "plies S-720 --stop 'FSP 1.10 g' --at 150m/s --opening 30.6mm --shots 4 --jobs 1 --out plies",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
         "export ply.toml --to lsdyna --out export",
@@ -122,13 +123,14 @@ GROUPS = {
 NEED_PETSC = {"calibrate", "surface", "crossover"}
 # runs the lines of a file one after the other, as the program `weavecell` does, and stops at the first that fails
 DRIVER = """
+import shlex
 import sys
 from weavecell.cli import app
 
 if __name__ == "__main__":
     for line in open("commands.txt"):
         try:
-            app.main(line.split())
+            app.main(shlex.split(line))
         except SystemExit as end:
             if end.code:
                 sys.exit(f"{line} ended with {end.code}")

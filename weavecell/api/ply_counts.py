@@ -194,7 +194,7 @@ def plies(
     --------
     >>> found = wc.plies("S-728", stop="FSP 1.10 g", at="120 m/s", shots=4, opening="50 mm")
     >>> found.counts["S-728"].plies
-    2
+    4
     """
     from weavecell.runs import v50
 
@@ -433,7 +433,7 @@ class PliesResult(StudyResult):
             Mover(name, unknown.ADVICE.get(name, ""), width, len(least.shots) >= v50.MANY)
             for name, width in least.moved.items()
         ]
-        said = "; ".join([f"{value} plies; by the model alone {model}", *alike])
+        said = "; ".join([f"plies: {value}; by the model alone {model}", *alike])
         return self._find_answer(self.title, said, movers, advice, over="; ".join(parts))
 
     def _say_first(self, name):
@@ -447,7 +447,7 @@ class PliesResult(StudyResult):
             if count.high - count.low > 0.9 * (now.high - now.low):
                 continue
             if what == "V50":
-                test = f"shoot V50 of {now.plies} plies of {name} and give `test`"
+                test = f"shoot V50 of {counted(now.plies, 'ply')} of {name} and give `test`"
                 said.append(f"{test}: then {count.words()}")
             elif what in unknown.ADVICE:
                 said.append(f"{unknown.ADVICE[what]}: then {count.words()}")
@@ -488,9 +488,11 @@ class PliesResult(StudyResult):
                     f"{row.fabric}: not determined, {counted(len(one.shots), 'shot')} end alike."
                 )
                 continue
-            tests = "".join(f"; tested {t.plies} plies: {t.velocity:g} m/s" for t in one.tests)
+            tests = "".join(
+                f"; tested {counted(t.plies, 'ply')}: {t.velocity:g} m/s" for t in one.tests
+            )
             lines.append(
-                f"{row.fabric}: {one.by_tests.words()} plies, {row.areal_density:.3g} kg/m², "
+                f"{row.fabric}: plies {one.by_tests.words()}, {row.areal_density:.3g} kg/m², "
                 f"{1e3 * row.thickness:.2g} mm; V50 {row.v50:.3g} m/s ({row.low:.3g} to {row.high:.3g}), "
                 f"{100 * row.margin:+.0f} %; by the model alone {one.by_model.words()}{tests}."
             )

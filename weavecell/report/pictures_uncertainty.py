@@ -83,7 +83,7 @@ def plies(pyplot: Any, found: Mapping[str, PliesOfFabric]) -> Any:
         axis.axhline(one.sure, color=INK, lw=0.8, ls=":", label="asked for")
         axis.axvline(one.by_tests.plies, color=ORANGE, lw=0.8, ls="--")
         axis.axvline(one.by_model.plies, color=BLUE, lw=0.8, ls="--")
-        words = f"{name}: {one.by_tests.words()} plies, by the model {one.by_model.words()}"
+        words = f"{name}: plies {one.by_tests.words()}, by the model {one.by_model.words()}"
         axis.set_title(words, fontsize="medium")
         axis.set(ylabel="share that stops [-]", ylim=(-0.05, 1.05))
         axis.xaxis.get_major_locator().set_params(integer=True)

@@ -294,7 +294,6 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
             kind="an areal density {}",
         ),
         Unread("export"),
-        Unread("patch", "left out: a patch is one ply of solid yarns"),
     ] = None
     ply: Annotated[
         tuple[PlyTable, ...], BeforeValidator(as_tuple), Field(description="tables [[panel.ply]]")

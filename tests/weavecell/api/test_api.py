@@ -445,7 +445,7 @@ def test_steps_of_slack_yarns_are_marked_wherever_a_coupon_is_shown():
     assert reactions[0] < 3 * floor < 30 * floor < reactions[1]
     assert list(strip.to_dataframe()["unloaded"]) == [1, 0, 0]
     assert list(strip.table()["state"]) == ["unloaded", "", ""]
-    assert "unloaded in 1 of 3 load steps (1): the yarns are slack" in str(strip)
+    assert "unloaded in 1 of 3 load steps (1): the yarns are slack" in strip.details()
     assert "unloaded" not in strip.table()
     for name in ("load", "strains"):
         caption, draw, arguments = strip.figures()[name]

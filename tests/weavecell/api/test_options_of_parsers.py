@@ -13,7 +13,7 @@ from tests.weavecell.api.test_types_of_arguments import FUNCTIONS, LEAST, PEAKS,
 from weavecell.api.crossover import CaseKeywords
 from weavecell.api.meshes import Geometry
 
-STUDIES = {"critical_velocity", "v50", "compare", "sweep", "impact"}
+STUDIES = {"critical_velocity", "v50", "compare", "sweep", "impact", "plies"}
 # how a command is run, not what; and its input, which other tests change
 NOT_WALKED = {
     "check",

@@ -72,6 +72,7 @@ def test_a_test_of_the_fabric_narrows_its_count_alone():
     assert after.high - after.low < before.high - before.low
     assert tested.counts["S-720"] == found.counts["S-720"]
     assert tested.by_model == found.by_model
+    assert found.found[0].by_tests == found.counts["S-728"]
     table = found.to_dataframe()
     weave = wc.fabric("S-720").weave
     assert table["areal_density_kg_m2"][1] == pytest.approx(table["plies"][1] * weave.areal_density)

@@ -107,7 +107,7 @@ def test_a_number_of_an_assumed_law_says_so_in_every_place(tmp_path):
     said = "[shear] of para-aramid yarns"
     shown = [line for line in found.lines() if line.startswith(("shear stress", "trellis law"))]
     assert [line[-14:] for line in shown] == [" (assumed law)"] * 2
-    for words in (*found.lines()[-2:-1], found.summary()["assumed"], str(found)):
+    for words in (*found.lines()[-2:-1], found.summary()["assumed"], found.details()):
         assert said in words
     assert f"assumed: {len(found._list_assumed_laws())} laws" in repr(found)
     assert said in found.to_dataframe().attrs["assumed"]

@@ -36,7 +36,7 @@ def run(command, tmp_path):
 
     def called(case, words, path=PATH):
         (tmp_path / "p.csv").write_text(path)
-        code, out, err = command(f"crossover {case} S-720 {words} --mesh 3,2,2 --out c")
+        code, out, err = command(f"crossover {case} S-720 {words} --mesh 3,2,2 --out c --verbose")
         folder = tmp_path / "c"
         return code, out, err, table_of(folder, "case.json"), Record.read(folder / "case.h5")
 

@@ -39,7 +39,9 @@ def test_choices_reach_the_mesh(succeed, tmp_path, words, domain, facts):
 
 def test_a_patch_in_every_format(succeed, tmp_path):
     size = "--crimp '2 %, 1 %' --width '1.2 mm' --end-shells '20 um'"
-    line = f"mesh S-720 --patch 2x3 --mesh 4,3,1 {size} --format msh,geo,vtu,k,inp,rad --out mesh"
+    line = (
+        f"mesh S-720 --patch 2x3 --mesh 4,3,1 {size} --format msh,geo,vtu,k,inp,rad --out mesh -v"
+    )
     out = succeed(line)
     folder = tmp_path / "mesh"
     decks = "patch.geo patch.inp patch.k patch.msh patch.png patch.vtu patch_0000.rad"

@@ -70,7 +70,7 @@ BY_HAND = {
         "strain along the warp [%]",
         "strain along the weft [%]",
     },
-    "pictures_uncertainty.py": {"share that passes [-]"},
+    "pictures_uncertainty.py": {"share that passes [-]", "share that stops [-]", "plies [-]"},
 }
 
 

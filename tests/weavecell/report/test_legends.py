@@ -993,6 +993,41 @@ def draw_passing(pyplot):
     return None
 
 
+@case(pictures_uncertainty.plies)
+def plies_that_stop(pyplot):
+    """Of two plies that stop by the model alone and three with what tests say: 9 in 10 is asked for."""
+
+    def passing(more):
+        shares = lambda growth: np.array([[0.0], [0.1]]) + 0.8 * more / growth  # noqa: E731
+        return Given(of=lambda growth: Given(passed=lambda _: shares(growth)))
+
+    count = lambda *ends: Given(  # noqa: E731
+        plies=ends[0], low=ends[1], high=ends[2], words=lambda: "{} ({} to {})".format(*ends)
+    )
+    one = Given(
+        posterior=passing(0.2),
+        tested=passing(0.7),
+        by_model=count(2, 1, 3),
+        by_tests=count(3, 2, 5),
+        reference=2,
+        velocity=250.0,
+        sure=0.9,
+    )
+    (axis,) = pictures_uncertainty.plies(pyplot, {"S-728": one}).axes
+    told, alone = axis.lines[:2]
+    assert [told.get_label(), alone.get_label()] == [
+        "with what tests say of the model",
+        "by the model alone",
+    ]
+    for line, more in ((told, 0.7), (alone, 0.2)):
+        plies, stops = line.get_xydata().T
+        assert list(plies) == [1, 2, 3, 4, 5, 6]
+        assert_allclose(stops, 0.95 - 0.8 * more / (plies / 2))
+    assert [line.get_xdata()[0] for line in axis.lines[3:]] == [3, 2]
+    assert axis.get_title("left") == "S-728: plies 3 (2 to 5), by the model 2 (1 to 3)"
+    return None
+
+
 @case(pictures_uncertainty.sweep)
 def sweep(pyplot):
     table = pd.DataFrame(

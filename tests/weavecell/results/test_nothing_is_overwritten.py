@@ -33,6 +33,10 @@ OTHERS = {
         "reduce tests tests.csv S-720",
         "comparison.json shots.csv comparison.svg report.html",
     ),
+    "plies": (
+        "plies S-728 --stop 'FSP 1.10 g' --at '120 m/s'",
+        "plies.json plies.csv plies.svg shots.csv scene.toml report.html",
+    ),
     "a or b": ("compare S-720 S-728", "difference.json difference.svg a/v50.json report.html"),
     "mesh": ("mesh S-720 --format k,rad", "crossover.k crossover_0000.rad quality.png mesh.json"),
     "patch": ("mesh S-720 --patch 2x2 --format inp", "patch.inp patch.png"),

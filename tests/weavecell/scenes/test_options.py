@@ -11,7 +11,10 @@ import weavecell as wc
 from tests.scene_text import merged
 from tests.weavecell.session_runs import SCENES, set_up
 
-FAST = {"projectile": {"strike_velocity": "400 m/s"}, "panel": {"opening": "26 mm"}}
+FAST = {
+    "projectile": {"strike_velocity": "400 m/s"},
+    "panel": {"opening": "26 mm", "crossovers": "pinned"},
+}
 SHOT = merged(SCENES["small"], FAST | {"run": {"end_time": "12 us", "elements_per_crossover": 1}})
 # option: what the scene says; "" takes a key away
 OPTIONS = read(
