@@ -105,6 +105,13 @@ SHOTS: dict[str, dict[str, Any]] = {
         "opening": "30 mm",
         "ply": [{}, {"name": "S-726", "angle": "30 deg"}],
     },
+    "a pack at pinned crossovers": {
+        "velocity": "300 m/s",
+        "end_time": "30 us",
+        "opening": "30 mm",
+        "crossovers": "pinned",
+        "ply": [{}, {"name": "S-726", "angle": "30 deg"}],
+    },
     "a block behind a ply": {"velocity": "100 m/s", "end_time": "4 us", "backing": BLOCK},
     "a block behind a ply on a uniform mesh": {
         "velocity": "100 m/s",

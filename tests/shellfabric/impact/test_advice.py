@@ -56,7 +56,7 @@ SCENES = {
         replace(SHOT, yarn_failure=False, **numerics(stretch_viscosity=0.0)),
         USUAL,
     ),
-    "nose penetration": (replace(SHOT, **numerics(nose_stiffness=0.02)), USUAL),
+    "nose penetration": (replace(SHOT, **numerics(nose_stiffness=0.01)), USUAL),
     "contact point spacing": (replace(SHOT, **numerics(contact_points=2)), USUAL),
     "element side": (NARROW, FINER),
     "element over failure length": (replace(NARROW, strike_velocity=400.0), FINER),
