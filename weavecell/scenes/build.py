@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics import assumed, catalogue, data_sheet, plausible, ply_laws
 from fabrics.base.checks import FilePath
+from fabrics.base.counted import counted
 from fabrics.base.errors import AS_WRITTEN, InputError, placed
 from fabrics.base.schema import Table, declared, entries, list_read, tables
 from fabrics.compression import CompressionLaw, check_room
@@ -137,13 +138,13 @@ def _count_plies(scene, file, given):
     fabric = _fabric(scene.fabric, "fabric", file) if given is None else given
     of_ply = fabric.weave.areal_density
     try:
-        counted = panel.count_plies(of_ply)
+        whole = panel.count_plies(of_ply)
     except InputError as problem:
         raise problem.changed(file=file, key=f"panel.{problem.key}") from None
     LOG.info(
-        f"panel.areal_density: {counted.plies} plies of {fabric.name}, {counted.plies * of_ply:.3g} kg/m²"
+        f"panel.areal_density: {counted(whole.plies, 'ply')} of {fabric.name}, {whole.plies * of_ply:.3g} kg/m²"
     )
-    return scene.model_copy(update={"panel": counted})
+    return scene.model_copy(update={"panel": whole})
 
 
 def material(
