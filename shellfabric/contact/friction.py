@@ -22,9 +22,9 @@ k_t dt^2 / A and their dampers 8 c_t dt / A, so that
     C^2 + k_t dt^2 / A + 2 c_t dt / A < 1                                                 (1)
 
 keeps the plies stable whatever their nodes share. Where the step has no room for that (a Courant
-factor near 1) both are cut down to it. A nose is on one side of
-the first ply alone and moves by itself: of its springs k_n and dampers c_n there are k_n dt^2 / A + 2
-c_n dt / A in the sum that must be below 4 - 4 C^2, of which the plies behind use at most half. So
+factor near 1) both are cut down to it. A nose is on one side of the first ply alone and moves by
+itself: of its springs k_n and dampers c_n there are k_n dt^2 / A + 2 c_n dt / A in the sum that must
+be below 4 - 4 C^2, of which the plies behind use at most half. So
 
     k_n dt^2 / A + 2 c_n dt / A < 2 (1 - C^2)                                             (2)
 

@@ -32,7 +32,6 @@ from fabrics import ply_laws
 from fabrics.base import sums
 from fabrics.base.checks import FloatArray
 from fabrics.base.errors import InputError
-from fabrics.base.schema import refuse_unread
 from fabrics.ply_law import PlyLaw
 from fabrics.variants import rotated_90
 from shellfabric.cell.model import CellModel, CellTable
@@ -41,7 +40,6 @@ from shellfabric.jit.simd import WIDTH
 from shellfabric.membrane.arrays import nose_law
 from shellfabric.membrane.model import Panel
 from shellfabric.membrane.motion_kernels import AT_REST
-from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.plies.arrays import empty_contact, pack_contact
 from shellfabric.plies.gap import gap_between, ply_gap
 from shellfabric.plies.numerics import PlyContact, law_tables
@@ -104,8 +102,6 @@ class Pack:
                 raise InputError(f"the plies of a pack must have one {key}")
         if len({(ply.table.model.cell_formulation, ply.trellis) for ply in self.plies}) > 1:
             raise InputError("the plies of a pack must have cells of one form")
-        if len(self.plies) > 1:
-            refuse_unread(NumericsKeys, first.numerics, "pack", "several plies")
         self._join_zones()
         friction.check(self.friction, first.numerics.cfl)
 
