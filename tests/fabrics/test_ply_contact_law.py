@@ -120,3 +120,20 @@ def test_warp_and_weft_are_packed_with_their_own_moduli():
     unlike = replace(fabric, solid_laws=(replace(warp, E_c=300e6), replace(weft, E_c=500e6)))
     assert assumed.transverse_moduli(unlike) == (300e6, 500e6)
     assert assumed.transverse_moduli(rotated_90(unlike)) == (500e6, 300e6)
+
+
+def test_half_a_ply_is_each_family_with_its_own_modulus_in_series():
+    """By the masses of warp and weft a square metre, of which the weft has 1.7 times as much a length."""
+    plain = assumed.with_solid_laws(catalogue.load("S-728"))
+    warp, weft = plain.weave.yarns
+    heavier = replace(weft, linear_density=1.7 * weft.linear_density)
+    laws = [replace(law, E_c=E_c) for law, E_c in zip(plain.solid_laws, (1e9, 3e9))]
+    weave = replace(plain.weave, weft=heavier)
+    unlike = replace(plain, weave=weave, solid_laws=tuple(laws))
+    masses = [
+        length * yarn.linear_density / weave.cell_area
+        for length, yarn in zip(weave.S0, (warp, heavier))
+    ]
+    give = masses[0] / warp.fibre_density / 1e9 + masses[1] / weft.fibre_density / 3e9
+    assert ply_laws.half_a_ply(unlike) == pytest.approx(2 / give, rel=1e-12)
+    assert ply_laws.solid_fibre(unlike).stiffness == pytest.approx(1 / give, rel=1e-12)

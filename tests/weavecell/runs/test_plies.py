@@ -110,6 +110,16 @@ def test_a_lower_test_asks_for_more_plies(posterior):
     assert counts[0] > counts[1]
 
 
+def test_where_growth_is_computed_too_large_a_test_lowers_it(posterior):
+    """By what the scored rows say: limits grow by less with the plies, away from the count of the test."""
+    test = V50Test(5, float(np.median(posterior.of(5 / REFERENCE).middles)))
+    lowered = plies.as_tests_say(posterior, REFERENCE, ERROR, [test])
+    less = np.median(posterior.growth) - np.median(lowered.growth)
+    assert less == pytest.approx(ERROR.growth.mean, abs=0.06)
+    beyond = [np.median(one.of(12 / REFERENCE).middles) for one in (posterior, lowered)]
+    assert beyond[1] < 0.95 * beyond[0]
+
+
 def test_the_error_is_that_of_the_scored_rows():
     """By hand, of rows with numbers of their own."""
     names = "V50 of one ply", "V50 of packs", "growth of V50 from 2 to 8 plies", "thickness"
