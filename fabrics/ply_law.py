@@ -114,9 +114,13 @@ class PlyLaw:
             status = f"{self.status}, {other.status}"
         return PlyLaw(closure, pressure, stiffness, source, status)
 
-    def scaled(self, factor: float) -> PlyLaw:
-        """Return the law with `factor` times the pressure at every closure."""
-        return replace(self, pressure=factor * self.pressure, stiffness=factor * self.stiffness)
+    def capped(self, share: float) -> PlyLaw:
+        """Return the law with its slopes cut to `share` of that of solid fibre; at every closure of
+        a sample with the pressure of the cut slopes before it."""
+        most = share * self.stiffness
+        slopes = np.minimum(np.diff(self.pressure) / np.diff(self.closure), most)
+        pressure = np.concatenate([[0.0], np.cumsum(slopes * np.diff(self.closure))])
+        return replace(self, pressure=pressure, stiffness=min(most, self.stiffness))
 
     @property
     def steepest(self) -> float:

@@ -236,13 +236,18 @@ class Pack:
         ]
         return min(*(ply.time_step for ply in self.plies), *steps, inf)
 
+    @cached_property
+    def contact_laws(self) -> tuple[PlyLaw, ...]:
+        """(plies - 1,) the laws as far as they are followed (`PlyContact.stiffness`)."""
+        return tuple(law.capped(self.contact.stiffness) for law in self.laws)
+
     def _density(self, p):
         """[kg/m2] of the lighter one of plies p and p + 1, which bounds the step."""
         return min(ply.contact_density for ply in self.plies[p : p + 2])
 
     def _steepest(self, p):
         """[Pa/m] highest stiffness of the contact of plies p and p + 1."""
-        return self.contact.stiffness * self.laws[p].steepest
+        return self.contact_laws[p].steepest
 
     def _thickness(self, p):
         """[m] mean of plies p and p + 1."""
@@ -262,8 +267,9 @@ class Pack:
             ply = self._in_step(ply)
             const = ply.constants()
             law = nose_law(ply, const.point_law.mass, implicit=True)
-            # of the plies' spring, of which the nose's is two in a row
-            drag = self.contact.share_ratio * (0.5 * law.stiffness * law.mass) ** 0.5
+            # of the plies' steepest spring; the nose's is two of solid fibre in a row
+            between = 0.5 * min(self.contact.stiffness, 1.0) * law.stiffness
+            drag = self.contact.share_ratio * (between * law.mass) ** 0.5
             law = law._replace(share_drag=drag)
             return const._replace(dt=self.time_step, point_law=law)
 
@@ -318,7 +324,7 @@ class Pack:
         areas = [self._areas(p, np.array(at)) for p, at in enumerate(places)]
         smallest = [float(np.prod(ply.spacing)) / points**2 for ply in self.plies[:-1]]
         densities = [self._density(p) for p in range(len(self.gaps))]
-        laws, law_cell = law_tables(self.laws, smallest, densities, self.contact)
+        laws, law_cell = law_tables(self.contact_laws, smallest, densities, self.contact)
         factors = [self._in_step(ply).numerics.cfl for ply in self.plies]
         sticks = [
             friction.stick(max(factors[p : p + 2]), d * a, self.time_step, self._steepest(p) * a)

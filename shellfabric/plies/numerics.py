@@ -24,9 +24,10 @@ class PlyContact:
     """Parameters of the contact between plies: those that stability and convergence set, and what
     plies give back.
 
-    The contact's stiffness is that of a law of the fabric (`fabrics.ply_law.PlyLaw`): K = dp/dd
-    [Pa/m], the same on every mesh. It bounds the time step. In a stack of plies of the areal
-    density A, on springs K with dampers c = zeta sqrt(K A) per area, the highest mode requires
+    The contact's stiffness is that of a law of the fabric (`fabrics.ply_law.PlyLaw`) up to
+    `stiffness`: K = dp/dd [Pa/m], the same on every mesh. It bounds the time step. In a stack of
+    plies of the areal density A, on springs K with dampers c = zeta sqrt(K A) per area, the highest
+    mode requires
 
         C^2 + 2 zeta C < 1,     C = dt sqrt(K / A)
 
@@ -47,8 +48,8 @@ class PlyContact:
     points : along each side of an element
     resilience : [-] e, share of the energy of a closure that comes back as plies part
         (`pressure_kernels`); 1: all of it
-    stiffness : [-] factor on the pressure of the law and on the nose's stiffness, to see what
-        depends on them
+    stiffness : [-] steepest slope of the law, over that of solid fibre: what is steeper sets the
+        time step, and nothing that a shot is asked for (docs/pack.md)
 
     Raises
     ------
@@ -58,7 +59,7 @@ class PlyContact:
     courant: Annotated[float, finite(gt=0.0)] = 0.45
     damping: Annotated[float, finite(ge=0.0)] = 0.7
     points: Annotated[int, finite(ge=1, le=8)] = 2
-    stiffness: Annotated[float, finite(gt=0.0)] = 1.0
+    stiffness: Annotated[float, finite(gt=0.0)] = 0.5
     resilience: Annotated[float, finite(gt=0.0, le=1.0)] = entries()["ply_resilience"].number
 
     def __post_init__(self):
@@ -99,18 +100,15 @@ def law_tables(
     laws : of each two neighbouring plies
     areas : [m2] that a point stands for
     densities : [kg/m2] of the lighter one of the two plies
-    contact : PlyContact, of which factor on the stiffness and damping are taken
+    contact : PlyContact, of which the damping is taken
     """
     cells = _CELLS
     if all(law.closure.size == 2 for law in laws):
         cells = 1
     tables = np.zeros((len(laws), cells + 1, 4))
     for table, law, area, density in zip(tables, laws, areas, densities):
-        scaled = law.scaled(contact.stiffness)
         at = np.linspace(0.0, law.travel, cells + 1)
-        slope = np.append(np.diff(scaled.pressure_at(at)) / np.diff(at), scaled.stiffness)
+        slope = np.append(np.diff(law.pressure_at(at)) / np.diff(at), law.stiffness)
         damping = contact.damping * np.sqrt(slope * density)
-        table[:] = area * np.stack(
-            [scaled.pressure_at(at), slope, damping, scaled.energy_at(at)], axis=1
-        )
+        table[:] = area * np.stack([law.pressure_at(at), slope, damping, law.energy_at(at)], axis=1)
     return tables, np.array([law.travel / cells for law in laws])

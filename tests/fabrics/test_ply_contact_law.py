@@ -137,3 +137,15 @@ def test_half_a_ply_is_each_family_with_its_own_modulus_in_series():
     give = masses[0] / warp.fibre_density / 1e9 + masses[1] / weft.fibre_density / 3e9
     assert ply_laws.half_a_ply(unlike) == pytest.approx(2 / give, rel=1e-12)
     assert ply_laws.solid_fibre(unlike).stiffness == pytest.approx(1 / give, rel=1e-12)
+
+
+def test_a_law_is_followed_up_to_a_share_of_solid_fibre():
+    """Slopes of 1e11, 2e13 and 5e11 Pa/m before 1e13 of solid fibre, cut to 4e12."""
+    law = PlyLaw([0.0, 30e-6, 31e-6, 51e-6], [0.0, 3e6, 23e6, 33e6], 1e13)
+    cut = law.capped(0.4)
+    assert cut.pressure_at([15e-6, 30e-6, 31e-6, 51e-6, 61e-6]) == pytest.approx(
+        [1.5e6, 3e6, 7e6, 17e6, 57e6], rel=1e-12
+    )
+    assert (cut.steepest, cut.source, cut.status) == (4e12, law.source, law.status)
+    assert law.steepest == pytest.approx(2e13)
+    assert law.capped(2.0) == law

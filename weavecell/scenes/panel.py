@@ -369,6 +369,13 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         return self.model_copy(update={"plies": plies})
 
     @model_validator(mode="after")
+    def _resolve_yarns_of_a_zone(self):
+        """The panel with resolved yarns where it tells of their zone and not of the crossovers."""
+        if "crossovers" in self.model_fields_set or not any(list_unread(ZoneKeys, self, "pinned")):
+            return self
+        return self.model_copy(update={"crossovers": "yarns"})
+
+    @model_validator(mode="after")
     def _check_ply_count(self):
         if not self.yarn_failure:
             self.refuse("rate_dependence strength", "left out if yarns do not fail")

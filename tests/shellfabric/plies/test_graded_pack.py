@@ -85,7 +85,7 @@ def test_patch_across_zones(graded, zones, points, slid, within):
     for state, const, shift in zip(pressed.states, pressed.consts, (moved, np.zeros(3))):
         for u, (a, b), at_rest, by in zip(state.u, F, (X, Y, 0.0), shift):
             grid(const, u)[:] = a * X + b * Y - at_rest + by
-    per_mass = pack.laws[0].pressure_at(depth) / free.weave.areal_density
+    per_mass = pack.contact_laws[0].pressure_at(depth) / free.weave.areal_density
     inner = (slice(2, -2), slice(2, -2))
     for force, state, const, sign in zip(pressed.press(3), pressed.states, pressed.consts, (-1, 1)):
         mass = grid(const, state.mass)[inner][..., None]

@@ -45,7 +45,7 @@ def test_fast_shots_at_thin_plies_do_not_pass_through(ply):
     pack = Pack.stacked(ply, 4, gap=0.0, law=ply_laws.solid_fibre(ply.fabric))
     step = pack.time_step
     courant = pack.contact.closing_courant
-    period = (ply.weave.areal_density / pack.laws[0].stiffness) ** 0.5
+    period = (ply.weave.areal_density / pack.contact_laws[0].stiffness) ** 0.5
     assert step == pytest.approx(courant * period)
     assert step < ply.time_step
     march = PackSolver(pack, 2000.0, 30 * step, interval=step)
@@ -78,7 +78,7 @@ def test_a_column_of_plies_is_stable_on_the_steeper_branch(share):
 
 CONTACTS = {
     "damped": (PlyContact(), (0.35, 0.5)),
-    "elastic": (PlyContact(damping=0.0, resilience=1.0), (-0.02, 0.01)),
+    "elastic": (PlyContact(damping=0.0, resilience=1.0, stiffness=1.0), (-0.02, 0.01)),
 }
 
 
@@ -127,7 +127,7 @@ def test_a_pack_between_platens_has_the_law(ply, plies, law):
         march.states[p].dt_over_mass[:] = 0.0  # platens: no force moves them
     area = march.const.ni * march.const.dx * march.const.nj * march.const.dy
     for pressure in (1e6, 5e6, 19e6, 50e6):
-        closure = float(march.pack.laws[0].closure_at(pressure))
+        closure = float(march.pack.contact_laws[0].closure_at(pressure))
         for p, state in enumerate(march.states):
             state.v[2][:] = (plies - 1 - p) * (closure - closed) / (100 * march.const.dt)
         advance(march, 100)

@@ -89,7 +89,7 @@ def test_stick_is_as_stiff_on_every_mesh_and_does_not_creep(ply, grading, couran
     """By the share of the stiffness across the surface that Mindlin's contacts have; as much after a hundred steps."""
     pair = on_mesh(ply, grading, courant, points)
     lengths = [np.ptp(x) for x in pair.pack.plies[0].lines()]
-    steepest = pair.pack.laws[0].steepest * np.prod(lengths)
+    steepest = pair.pack.contact_laws[0].steepest * np.prod(lengths)
     assert pair.stiffness == pytest.approx(friction.STIFFNESS * steepest, rel=1e-6)
     limit = MU * abs(pair.move(0.0, 0.0)[0, 2])
     wound = 0.5 * limit / pair.stiffness

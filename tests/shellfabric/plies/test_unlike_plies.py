@@ -54,12 +54,12 @@ def test_the_force_is_that_of_the_mean_thickness_and_of_the_law_of_the_pair(unli
     closure = 8e-6
     forces, pack = press(unlike, moved, closure)
     area = np.prod([np.ptp(x) for x in unlike[0].lines()])
-    wanted = area * float(pack.laws[moved].pressure_at(closure))
+    wanted = area * float(pack.contact_laws[moved].pressure_at(closure))
     assert forces[moved, 1] == pytest.approx(-wanted, rel=0.02)
     assert forces[moved + 1, 0] == pytest.approx(wanted, rel=0.02)
     others = np.delete(forces.ravel(), [2 * moved + 1, 2 * moved + 2])
     assert abs(others).max() == 0.0
-    pressures = [float(law.pressure_at(closure)) for law in pack.laws]
+    pressures = [float(law.pressure_at(closure)) for law in pack.contact_laws]
     assert pressures[0] != pytest.approx(pressures[1], rel=0.05)
 
 
