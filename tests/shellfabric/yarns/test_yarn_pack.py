@@ -8,6 +8,7 @@ import pytest
 
 from fabrics import catalogue
 from fabrics.base.errors import InputError
+from fabrics.variants import rotated_90
 from shellfabric.block.block import Backing
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup, Ply
@@ -207,3 +208,41 @@ def test_a_sphere_passes_between_the_yarns_of_two_plies_that_stop_it_pinned():
     }  # fmt: skip
     assert shots["slipping"].residual_velocity > 40.0
     assert shots["slipping"].cut_yarns[-1] == 0
+
+
+@pytest.mark.parametrize("angle", [0, 90])
+def test_a_pack_is_the_same_turned_by_a_right_angle(angle):
+    """To rounding, torn yarns and friction between unlike plies included, however they are shifted."""
+    x, y = 0.3e-3, -0.9e-3
+    opening = (0.024, 0.03)
+    kinds = [catalogue.load("S-726"), catalogue.load("S-720")]
+
+    def fly(fabrics, opening, impact_point, shifts=None):
+        front, rear = fabrics
+        setup = ImpactSetup(
+            front,
+            240.0,
+            opening=opening,
+            impact_point=impact_point,
+            symmetry="whole",
+            crossovers=YarnZone(8e-3, 0.2),
+            plies=2,
+            lay_up=(Ply(front), Ply(rear, angle=radians(angle))),
+            ply_friction=0.2,
+            projectile=Projectile(mass=0.4e-3, radius=2.75e-3, shape="sphere"),
+        )
+        pack = setup.target()
+        if shifts is not None:
+            plies = tuple(replace(ply, shift=to) for ply, to in zip(pack.plies, shifts))
+            pack = replace(pack, plies=plies)
+        return PackSolver(pack, 240.0, 15e-6, interval=1e-6).run()
+
+    own = fly(kinds, opening, (x, y))
+    # the weft yarns are the warp yarns from the other end
+    moved = [(across, -along) for along, across in (ply.shift for ply in own.pack.plies)]
+    assert min(map(abs, moved[1])) > 1e-5
+    turned = fly([rotated_90(kind) for kind in kinds], opening[::-1], (y, -x), moved)
+    assert own.sample("cut_yarns")[-1] >= 3
+    assert own.sample("ply_friction")[-1] > 1e-5 * own.strike_energy
+    for quantity in ("kinetic_projectile", "ply_friction", "crossover_friction"):
+        assert turned.sample(quantity) == pytest.approx(own.sample(quantity), rel=1e-9)
