@@ -235,7 +235,7 @@ def test_a_pack_is_the_same_turned_by_a_right_angle(angle):
         if shifts is not None:
             plies = tuple(replace(ply, shift=to) for ply, to in zip(pack.plies, shifts))
             pack = replace(pack, plies=plies)
-        return PackSolver(pack, 240.0, 15e-6, interval=1e-6).run()
+        return PackSolver(pack, 240.0, 17e-6, interval=1e-6).run()
 
     own = fly(kinds, opening, (x, y))
     # the weft yarns are the warp yarns from the other end
