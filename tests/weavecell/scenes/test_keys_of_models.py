@@ -330,3 +330,17 @@ def test_a_key_is_refused_or_changes_the_coupon(test, key, answer, monkeypatch):
     if isinstance(found, InputError):
         judge(found, test, key)
         assert re.search(WORDS["coupon"], str(found)), found
+
+
+@pytest.mark.parametrize("key", [{"zone": "8 mm"}, {"crossover_friction": 0.1}, {"aim_seed": 4}])
+@pytest.mark.parametrize("plies", [1, 2, 5])
+def test_a_key_of_the_zone_asks_for_resolved_yarns(key, plies):
+    """Whatever the number of plies resolves by itself; beside pinned crossovers it is refused."""
+    given = {"fabric": {"name": "S-728"}, "panel": {"opening": "40 mm", "plies": plies} | key}
+    given["projectile"] = {"name": "FSP 1.10 g", "strike_velocity": "90 m/s"}
+    made = build.setup(build.build(check(given, None), None, "shot"), None)
+    assert made.crossovers is not None
+    assert made.instead is None
+    given["panel"]["crossovers"] = "pinned"
+    with pytest.raises(InputError, match="left out where crossovers are pinned"):
+        check(given, None)
