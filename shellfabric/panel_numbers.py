@@ -78,8 +78,8 @@ class ZoneKeys:
         key(
             quantity(
                 "resolved yarns: half width of the square zone about the nose; if not given all of one ply up to "
-                "an opening of 120 mm, beyond it 40 mm, or 8 mm divided by `crossover_friction` if this is more; of a "
-                "pack 20 mm, or 3 mm divided by it",
+                "an opening of 120 mm, beyond it and of a pack 40 mm, or 8 mm divided by `crossover_friction` if this "
+                "is more",
                 "m",
                 "20 mm",
             ),
