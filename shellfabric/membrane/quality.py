@@ -201,13 +201,6 @@ _CHECKS = (
         "a finer drawing of the projectile",
     ),
     Check(
-        "cut outside the zone",
-        0.2,
-        "share of the cut yarns that are whole in the zone of resolved yarns: beyond its "
-        "rim yarns are pinned, and a cut one hands its whole tension to the next at once",
-        "a zone twice as wide, panel.zone",
-    ),
-    Check(
         "yarns that changed sides",
         0.0,
         "crossings of taut resolved yarns that have passed through each other, and carry "

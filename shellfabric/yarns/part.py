@@ -3,8 +3,6 @@ show."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ from fabrics.base.checks import FloatArray, IntArray
 from shellfabric.guards import speed_limit
 from shellfabric.membrane import quality
 from shellfabric.membrane.indicator import Indicator
-from shellfabric.membrane.slots import by_node
 from shellfabric.parts import Part
 from shellfabric.state import Constants, State
 from shellfabric.yarns import coupling_kernels
@@ -129,34 +126,12 @@ class ResolvedYarns(Part):
         )
 
     def indicators(self) -> tuple[Indicator, ...]:
-        """Return the share of the cut yarns that were cut beyond the zone, unless it is the whole panel;
-        crossings whose yarns have changed sides, and the nodes past the next ply, see Part."""
-        checks = []
-        if self.panel.zone_width < inf:
-            found = quality.indicator("cut outside the zone", self.cut_outside())
-            width = f"panel.zone is {1e3 * self.panel.zone_width:.3g} mm"
-            checks.append(replace(found, meaning=f"{found.meaning}; {width}"))
-        checks.append(quality.indicator("yarns that changed sides", self.zone.tangled))
+        """Return crossings whose yarns have changed sides, and the nodes past the next ply, see Part."""
+        checks = [quality.indicator("yarns that changed sides", self.zone.tangled)]
         if self.panel.among_plies:
             share = self.zone.most_past / np.count_nonzero(self.zone.node_share)
             checks.append(quality.indicator("yarns past the next ply", share))
         return tuple(checks)
-
-    def cut_outside(self) -> float:
-        """Return the share [-] of the cut yarns of the ply that are whole in the zone: pinned yarns
-        outside it have been cut."""
-        const, state = self._ply
-        rows, columns = self.panel.rim_rows
-        cut_yarns = outside = 0
-        for family, (first, last) in enumerate((columns, rows)):
-            broken = by_node(state.failed[family], const) != 0
-            cut = np.moveaxis(broken, family, 0)[:-1].any(axis=0)
-            cut_yarns += np.count_nonzero(cut)
-            g = int(max(self.zone.mirror_first[1 - family], 0))
-            low = first + 1 - (g > 0)
-            cut[low:last][self.zone.torn[family, g : g + last - low]] = False
-            outside += np.count_nonzero(cut)
-        return outside / max(cut_yarns, 1)
 
 
 def shadow_slots(zone: Zone) -> IntArray:

@@ -10,15 +10,15 @@ from weavecell.runs import sweep
 from weavecell.studies import shot_row
 
 SIDES = quality.indicator("yarns that changed sides", 3.0)
-CUT = quality.indicator("cut outside the zone", 0.9)
+HOURGLASS = quality.indicator("projectile hourglass", 0.9)
 
 
 def test_the_checks_of_a_row_are_read_by_name():
     """Each with a number, a limit and a remedy, in whose text there are semicolons too."""
     assert SIDES.doubtful
-    assert CUT.doubtful
-    row = {"checks": shot_row.with_reasons((SIDES, CUT))}
-    assert places.find_doubts(row) == ["yarns that changed sides", "cut outside the zone"]
+    assert HOURGLASS.doubtful
+    row = {"checks": shot_row.with_reasons((SIDES, HOURGLASS))}
+    assert places.find_doubts(row) == ["yarns that changed sides", "projectile hourglass"]
     assert places.find_doubts({"checks": "ok"}) == []
     assert places.find_doubts({}) == []
 

@@ -50,9 +50,9 @@ def test_the_first_line_says_what_differs(shots):
     assert f"deflection of the back face {first} and {second} ({more:+.3g} mm)" in said
     assert "peak contact force" not in said  # it is the same
     assert beside.difference((one, one)) == f"Both {one.outcome}, with the same results."
-    doubted = replace(one, checks=(quality.indicator("cut outside the zone", 0.42),))
+    doubted = replace(one, checks=(quality.indicator("projectile hourglass", 0.42),))
     assert beside.difference((one, doubted)).endswith(
-        "results. B is doubtful: cut outside the zone 0.420 (limit 0.2; a zone twice as wide, panel.zone)."
+        "results. B is doubtful: projectile hourglass 0.420 (limit 0.01; a finer drawing of the projectile)."
     )
 
 

@@ -223,6 +223,6 @@ def test_panels_of_other_masses_are_compared_per_areal_density_first(heavier, mo
 
 def test_a_drawn_shot_says_its_checks():
     of = (90.0, 0.0, False, 1)
-    doubts = ("cut outside the zone", "energy error")
+    doubts = ("yarn snap", "energy error")
     assert table.Shot(*of).checks == "ok"
     assert table.Shot(*of, doubtful=doubts).checks == f"doubtful: {', '.join(doubts)}"

@@ -56,8 +56,8 @@ def test_doubts_are_printed_and_shown(shot):
 
     from shellfabric.membrane.quality import indicator
 
-    words = "cut outside the zone 0.42"
-    doubted = replace(shot, checks=(*shot.checks, indicator("cut outside the zone", 0.42)))
+    words = "yarn snap 0.42"
+    doubted = replace(shot, checks=(*shot.checks, indicator("yarn snap", 0.42)))
     (line,) = [line for line in str(doubted).splitlines() if line.startswith("doubts")]
     assert words in line
     assert words in doubted._repr_html_().replace("</abbr>", "")
