@@ -173,7 +173,7 @@ def test_a_change_of_a_file_changes_every_page_that_quotes_it(tool, monkeypatch,
     quoting = {
         page for page, text in texts.items() if re.search(r"<!-- [^>]*strength-limits", text)
     }
-    assert len(quoting) == 4
+    assert len(quoting) == 3
     for path in values.DATA.iterdir():
         (tmp_path / path.name).symlink_to(path)
     changed = tmp_path / "strength-limits.csv"

@@ -32,6 +32,29 @@ def test_bias_and_scatter_of_two_rows_and_of_one():
     )
 
 
+@pytest.mark.parametrize("over", [-2.2, -1.6, 0.3, 1.7])
+def test_one_threshold_tells_what_is_within_on_pages_and_in_summaries(tool, over):
+    """E +- 1.645 u_val of 90 %."""
+    row = {"measured": "200", "computed": f"{200 + 7 * over}", "coarse": "", "sigma": "4"}
+    row |= {"E": f"{7 * over}", "u_val": "7", "E_over_u_val": f"{over}"}
+    row |= {"level": "ply", "quantity": "V50 of one ply"}
+    within = abs(over) < 1.645
+    assert statistics.is_within(row) == within
+    (summary,) = command.summary([row])
+    assert summary[statistics.WITHIN] == within
+    assert summary["words"].startswith(f"{int(within)} of 1 within")
+    page = tool("pages").verdict_of_tests(row)
+    assert page.endswith(": within") == within
+    assert page.endswith(": a difference is shown") != within
+    assert tool("pages").count_within([row]).startswith(f"{int(within)} of 1 within")
+
+
+def test_an_outcome_is_within_where_it_is_that_of_the_test():
+    row = {"measured": "stopped", "computed": "", "coarse": "stopped", "E_over_u_val": ""}
+    assert statistics.is_within(row)
+    assert not statistics.is_within(row | {"computed": "perforated"})
+
+
 SHOT = Given(
     outcome="stopped",
     energy_error_max=3e-4,
