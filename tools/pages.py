@@ -405,11 +405,12 @@ def not_here() -> str:
 
 # page -> {name of a mark: text between it and its end}
 MARKED: dict[str, dict[str, Callable[[], str]]] = {
-    "README.md": {"accuracy": front_page},
+    "README.md": {"scored": scored, "accuracy": front_page},
     "docs/accuracy.md": {"mesh errors": mesh_errors, "quality checks": quality_checks},
     "docs/from-other-codes.md": {"not here": not_here},
     "docs/questions.md": {"doubtful results": doubtful_results},
     "docs/validation.md": {
+        "scored": scored,
         "two tests": two_tests,
         "tested ply": tested_ply,
         "critical velocities": critical_velocities,

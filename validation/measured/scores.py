@@ -113,9 +113,10 @@ def write_sentence(table: Sequence[Mapping[str, str]]) -> str:
     parts = []
     if of["numbers"]:
         cloths = counted(of["cloths"], "cloth")
-        verb = "lies" if of[WIDE] == 1 else "lie"
+        inside = of[WIDE] or "none"
+        verb = "lie" if of[WIDE] > 1 else "lies"
         parts.append(
-            f"of {counted(of['numbers'], 'number')} from {cloths} {of[WIDE]} {verb} in the 90 % interval"
+            f"of {counted(of['numbers'], 'number')} from {cloths} {inside} {verb} in the 90 % interval"
         )
     if of["outcomes"]:
         words = f"{counted(of['outcomes'], 'outcome')} ({of['inferred']} inferred) by Brier {of['Brier']:.2f}"
@@ -125,5 +126,7 @@ def write_sentence(table: Sequence[Mapping[str, str]]) -> str:
         parts.append(f"one ply is {abs(of['strong [%]']):.0f} % too {side}")
     words = "; ".join(parts) or "nothing is drawn yet"
     if of["drawn"] < of["rows"]:
-        words += f". Drawn so far: {of['drawn']} of {of['rows']} rows"
+        shots = sorted(int(row["shots"]) for row in table if row["shots"])
+        fewest = f", {shots[0]} shots or more each" if shots else ""
+        words += f". Drawn so far: {of['drawn']} of {of['rows']} rows{fewest}"
     return f"{words[0].upper()}{words[1:]}."

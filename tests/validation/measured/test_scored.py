@@ -153,7 +153,7 @@ def test_the_sentence_counts_what_is_drawn():
         "Of 2 numbers from 1 cloth 1 lies in the 90 % interval; 2 outcomes (1 inferred) by Brier 0.20 (coin 0.25); "
         "one ply is 12 % too strong."
     )
-    assert scores.write_sentence([*table, blank]).endswith(". Drawn so far: 4 of 5 rows.")
+    assert scores.write_sentence([*table, blank]).endswith("4 of 5 rows, 4 shots or more each.")
     assert scores.write_sentence([blank]) == "Nothing is drawn yet. Drawn so far: 0 of 1 rows."
 
 
@@ -192,3 +192,25 @@ def test_every_test_of_plies_and_packs_names_its_cloth():
             if row.case.measure == "outcome":
                 inferred = row.quantity.startswith(scores.INFERRED)
                 assert inferred == row.assumed.startswith("that the "), row.id
+
+
+def test_the_picture_sorts_numbers_by_rank_and_tells_inferred_outcomes(tool):
+    blank = dict.fromkeys((*scored.DRAWN, "unit", "cloth", "single run"), "")
+    levels = ("80", "95", "104", "112", "131")
+    spread = dict(zip(scores.QUANTILES, levels)) | {"measured": "100", "sigma": "4", "shots": "16"}
+    shares = dict(zip(scores.QUANTILES, ("0.1", "0.2", "0.3", "0.4", "0.6")))
+    seen = shares | {"measured": "stopped", "Brier": "0.09", "shots": "4"}
+    table = [
+        blank | spread | {"id": "high", "rank": "0.9", "inside 90 %": "yes", "single run": "97"},
+        blank | spread | {"id": "low", "rank": "0.02", "inside 90 %": "no"},
+        blank | seen | {"id": "told", "quantity": "outcome of one ply"},
+        blank | seen | {"id": "guessed", "quantity": "inferred outcome of one ply"},
+        blank | {"id": "not fired", "quantity": "outcome of one ply"},
+    ]
+    above, below = tool("scored_plots").draw(table).axes
+    names = [label.get_text().split()[0] for label in above.get_yticklabels()]
+    assert names == ["low", "high"]
+    medians = [line for line in above.lines if line.get_marker() == "o"]
+    assert [float(line.get_xdata()[0]) for line in medians] == [1.04, 1.04]
+    diamonds = [line.get_markerfacecolor() for line in below.lines if line.get_marker() == "D"]
+    assert sorted(color == "none" for color in diamonds) == [False, True]
