@@ -13,8 +13,10 @@ from validation.measured import command, rows, statistics
 KEPT = {row["id"]: row["coarse"] for row in csv_file.read(csv_file.DATA / "measured.csv")[1]}
 
 
-def test_rows_have_a_source_and_a_number_or_a_reason():
-    for row in rows.read():
+def test_rows_have_an_id_of_their_own_a_source_and_a_number_or_a_reason():
+    table = rows.read()
+    assert len({row.id for row in table}) == len(table)
+    for row in table:
         reason = row.assumed.startswith(("no model", "no data", "input"))
         assert row.source, row.id
         assert reason == (row.case is None), row.id

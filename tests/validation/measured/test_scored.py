@@ -75,8 +75,9 @@ def test_made_cloths_lie_in_the_interval_of_their_v50():
 
 def test_all_that_is_common_to_a_cloth_spreads_its_v50(monkeypatch):
     """Limits of made shots go with the strength after weaving, of which `v50` itself knows nothing."""
+    monkeypatch.setattr(v50, "POPULATION", 64)
     setup = ROWS["S-726 V50"].case.resolved()
-    known = predictions.list_known(setup, v50.POPULATION, 1)
+    known = predictions.list_known(setup, 96, 1)
     # one of each is drawn anew for each shot, and no property of a cloth
     assert {"strength after weaving", "crimp of the weft", "friction on the nose"} <= set(known)
     assert "strength of yarns" not in known
@@ -214,3 +215,53 @@ def test_the_picture_sorts_numbers_by_rank_and_tells_inferred_outcomes(tool):
     assert [float(line.get_xdata()[0]) for line in medians] == [1.04, 1.04]
     diamonds = [line.get_markerfacecolor() for line in below.lines if line.get_marker() == "D"]
     assert sorted(color == "none" for color in diamonds) == [False, True]
+
+
+def test_a_growth_fires_both_packs_at_cloths_that_are_drawn_alike(monkeypatch):
+    """Eight plies over two, each with its own limit; a pack whose shots are all alike has none."""
+    packs = []
+    posterior = go_no_go.fit(
+        Outcomes(
+            NAMES[:1], np.array([[0.2], [-0.3]]), np.array([90.0, 210.0]), np.array([False, True])
+        ),
+        150.0,
+        draws=64,
+    )
+
+    def fit_cloths(setup, shots, stride, runs):
+        packs.append((setup.plies, setup.strike_velocity, shots, stride))
+        limits = replace(posterior, middle=np.full(64, {8: 330.0, 2: 220.0}[setup.plies]))
+        known = limits if blind != setup.plies else None
+        return [Shot(200.0, 12.0, True, cpu_time=3.0)] * shots, known
+
+    monkeypatch.setattr(predictions, "fit_cloths", fit_cloths)
+    monkeypatch.setattr(predictions.table, "as_fired", lambda setup: setup)
+    case = ROWS["Prosser, rounded .22"].case
+    blind = 0
+    found = predictions.predict(case, 5, None)
+    assert packs == [(8, 300.0, 5, 8), (2, 240.0, 5, 8)]
+    assert (found.shots, found.perforated, found.cpu_time) == (10, 10, 30.0)
+    assert np.median(found.values) == pytest.approx(1.5, rel=0.1)
+    blind = 2
+    assert predictions.predict(case, 5, None).values.size == 0
+
+
+def test_the_share_of_drawn_shots_has_the_mean_and_ends_of_jeffreys_prior(monkeypatch):
+    """Of 6 shots with an outcome 2 perforate: Beta(2.5, 4.5)."""
+    shots = [Shot(110.0, 8.0, number < 2, number, cpu_time=1.5) for number in range(6)]
+    shots.append(Shot(110.0, 8.0, True, 6, failure="neither"))
+    fired = []
+
+    def run(rows, **runs):
+        fired.extend(rows)
+        return shots
+
+    monkeypatch.setattr(predictions.table, "run", run)
+    found = predictions.predict(ROWS["S-726 at 110 m/s"].case, 7, None)
+    assert len(fired) == 7
+    assert {row.velocity for row in fired} == {110.0}
+    assert (found.shots, found.perforated, found.cpu_time) == (6, 2, 9.0)
+    assert found.share == pytest.approx(2.5 / 7)
+    assert found.values.mean() == pytest.approx(2.5 / 7, rel=0.01)
+    low, high = np.quantile(found.values, (0.05, 0.95))
+    assert (low, high) == pytest.approx((0.106, 0.656), abs=0.01)
