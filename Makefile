@@ -16,12 +16,12 @@ RUN = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m
 WITH_SOLID = $(addprefix tests/,installed unitcell3d meshing weavecell refusals)
 QUICK = $(RUN) pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-.PHONY: demo test test-slow test-nightly test-processor test-generic nightly mutants package ledger convergence printed validate fuzz pages stale lint figures studies docs docs-again kernels setup clean
+.PHONY: demo test test-slow test-nightly test-processor test-generic nightly mutants package ledger scored convergence printed validate fuzz pages stale lint figures studies docs docs-again kernels setup clean
 
 demo: setup  ## S-720: 3D crossover, calibration and four impacts, with a report in results/demo
 	$(RUN:-m=) examples/demo.py $(RESULTS)/demo
 
-test test-slow test-nightly test-processor test-generic printed mutants package ledger convergence fuzz studies stale pages lint: export EXTRAS = app,dev
+test test-slow test-nightly test-processor test-generic printed mutants package ledger scored convergence fuzz studies stale pages lint: export EXTRAS = app,dev
 test: export KERNELS = all
 test: setup  ## everything but the long validation runs, then the style
 	$(QUICK) $(WITH_SOLID)
@@ -73,6 +73,9 @@ validate: test-slow ledger  ## the long tests, and the ledger of the thesis's cl
 
 ledger: setup  ## all claims of the thesis, slow ones and variants too: fails where a verdict is not the recorded one
 	$(RUN) validation claims --slow --out $(RESULTS)/validate
+
+scored: setup  ## each test of a ply or pack against drawn shots, as far as they are fired: rank, CRPS, Brier, in results/scored
+	$(RUN) validation scored --jobs $(JOBS) --out $(RESULTS)/scored
 
 convergence: setup  ## critical velocities by mesh and by the force of the clamps, held by what they are expected to be
 	$(RUN) validation study published-critical-velocities edges-limits --out $(RESULTS)/studies

@@ -22,6 +22,7 @@ from itertools import groupby
 from pathlib import Path
 
 import measured_plots
+import scored_plots
 
 ROOT = Path(__file__).parents[1]
 DATA, STUDIES = ROOT / "docs" / "reports" / "data", ROOT / "validation" / "studies"
@@ -75,9 +76,11 @@ def picture(name):
 
 
 def draw(name):
-    """Draw the figure of a study, or of the measured rows."""
+    """Draw the figure of a study, or of the measured or scored rows."""
     from matplotlib.figure import Figure
 
+    if name == "scored":
+        return scored_plots.draw(read(name)[1])
     if name == "measured":
         return measured_plots.draw(read(name)[1], read("measured-quantities")[1])
     asked, (_, rows) = picture(name), read(name)

@@ -5,6 +5,7 @@
     python -m validation stale      which CSVs of studies the code no longer computes (`validation.stale`)
     python -m validation patch      whether crossovers may be pinned for a nose, by woven solid yarns
     python -m validation measured   what was measured against what is computed: bias, scatter, u_val
+    python -m validation scored     each test of a ply or pack against drawn shots: rank, CRPS, Brier
 
 Each has --help.
 """
@@ -16,10 +17,18 @@ import sys
 from validation import patch, runner, stale
 from validation.claims import command as claims
 from validation.measured import command as measured
+from validation.measured import scored
 from validation.program import program
 from weavecell.results import out_folder, termination
 
-PROGRAMS = {"study": runner, "stale": stale, "claims": claims, "measured": measured, "patch": patch}
+PROGRAMS = {
+    "study": runner,
+    "stale": stale,
+    "claims": claims,
+    "measured": measured,
+    "scored": scored,
+    "patch": patch,
+}
 
 
 def main(arguments: list[str]) -> None:

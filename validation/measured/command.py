@@ -142,9 +142,7 @@ def value_of(row: Values) -> str:
 
 def summary(table: Sequence[Values]) -> list[Values]:
     """Summarise each quantity that is computed in a row: what --uncertainty prints, n, rows within
-    2 u_val, bias, sigmas.
-
-    An outcome is within where it is the same. Numbers that may be 0 have no bias.
+    (`statistics.is_within`), bias, sigmas. Numbers that may be 0 have no bias.
     """
     of_quantity: Values = {}
     for row in table:
@@ -154,12 +152,9 @@ def summary(table: Sequence[Values]) -> list[Values]:
 
 
 def _summary(rows):
-    within = 0
-    for row in rows:
-        same = row["measured"] == value_of(row)
-        within += same or abs(number(row["E_over_u_val"])) <= 2
+    within = sum(map(statistics.is_within, rows))
     first = rows[0]
-    words = f"{within} within the uncertainty"
+    words = f"{within} of {len(rows)} within"
     measured = [number(row["measured"]) for row in rows]
     computed = [number(value_of(row)) for row in rows]
     known = dict.fromkeys(("bias", "sigma_model", "sigma_test"))
@@ -167,14 +162,14 @@ def _summary(rows):
         sigmas = [float(row["sigma"]) for row in rows]
         of = statistics.of(measured, computed, sigmas)
         known = {key: round(value, 3) for key, value in vars(of).items()}
-        words = f"bias {of.bias:.2f}"
+        words += f", bias {of.bias:.2f}"
         if not isnan(of.sigma_model):
             words += f", sigma {of.sigma_model:.0%}"
     return {
         "level": first["level"],
         "quantity": first["quantity"],
-        "words": f"{words}, n = {len(rows)}",
+        "words": words,
         "n": len(rows),
-        "within 2 u_val": within,
+        statistics.WITHIN: within,
         **known,
     }

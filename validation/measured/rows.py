@@ -4,7 +4,9 @@ Columns of rows.csv. `measure` is one of `compute`, `input` a file of inputs/; a
 computed, and `assumed` says why. `changes` are keys of the input file, and options of the measure (without a dot), of
 this row; `coarse` those of its cheap run as well, "-" where there is none. `value` and `sigma`, the standard
 uncertainty of the test, are in `unit`; `u_input` is that of the computed value by the uncertainty of the input,
-relative to it.
+relative to it. `cloth` names what numbers share that are predicted, `ranges` keys of the input file that drawn shots
+have a range of. The quantity of an outcome that no text states, but the caption of a simulation beside the test, begins
+with "inferred".
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from __future__ import annotations
 import csv
 import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from pandas import to_numeric
 
 import weavecell as wc
 from fabrics import metals
+from fabrics.base import run_cache
 from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
@@ -48,12 +51,14 @@ class Case:
     input : name of a file of inputs/
     text : of that file and of the fabrics, since a kept result depends on them
     changes : ((key, value), ...) of the input file, or without a dot options of the measure
+    ranges : ((key, value), ...) of the input file that drawn shots have in place of one number
     """
 
     measure: str
     input: str
     text: str
     changes: tuple[tuple[str, str], ...] = ()
+    ranges: tuple[tuple[str, str], ...] = field(default=(), metadata=run_cache.ADDED_LATER)
 
     @property
     def options(self) -> dict[str, str]:
@@ -72,9 +77,17 @@ class Case:
 
     def setup(self, **more: Any) -> Any:
         """Build the ImpactSetup of an impact, with `more` values of dotted keys."""
+        return self._read(more).setup
+
+    def resolved(self, **more: Any) -> Any:
+        """Build the ImpactSetup of drawn shots: of resolved yarns where `v50` has them, with the ranges of the row."""
+        ranges = {key: _value(text) for key, text in self.ranges}
+        return self._read(ranges | more).resolved().setup
+
+    def _read(self, more):
         file = HERE / "inputs" / f"{self.input}.toml"
         changes = {"numerics.threads": 1} | self.keys | more
-        return target.read_target(str(file), HERE, "shot", changes=changes).setup
+        return target.read_target(str(file), HERE, "shot", changes=changes)
 
 
 @dataclass(frozen=True)
@@ -90,6 +103,7 @@ class Row:
     u_input: str
     source: str
     assumed: str
+    cloth: str = ""
     case: Case | None = None
     coarse_case: Case | None = None
 
@@ -105,14 +119,15 @@ def read() -> list[Row]:
         return [_row(**columns) for columns in csv.DictReader(file)]
 
 
-def _row(measure, input, changes, coarse, **columns):
+def _row(measure, input, changes, coarse, ranges, **columns):
     if not measure:
         return Row(**columns)
     own = _changes(changes)
     cheap = None
     if coarse != "-":
         cheap = case_of(measure, input, own + _changes(coarse))
-    return Row(**columns, case=case_of(measure, input, own), coarse_case=cheap)
+    case = replace(case_of(measure, input, own), ranges=_changes(ranges))
+    return Row(**columns, case=case, coarse_case=cheap)
 
 
 def _changes(text):

@@ -10,17 +10,23 @@ with relative sigmas of tests and model. sigma_E counts as s / 2^(1/2) at most: 
 accurate than the tests. One row has a bias, M / E, and no sigma. A row has by ASME V&V 20
 
     E = S - D,    u_val^2 = u_num^2 + u_input^2 + u_D^2
+
+A row is within where its interval of 90 %, E +- 1.645 u_val, holds 0, or its outcome is that of the test. Else a
+difference is shown. No page and no summary has another threshold or another word.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, nan, sqrt
 
 import numpy as np
 
 from validation.values import rms
+
+COVERAGE = 1.645  # u_val on either side that are the interval of 90 % which all answers have
+WITHIN = "within 90 %"  # column of measured-quantities.csv
 
 
 @dataclass(frozen=True)
@@ -48,3 +54,15 @@ def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[flo
     counted = min(test, scatter / sqrt(2))
     model = sqrt(scatter**2 - counted**2)
     return Statistics(exp(logs.mean() + (model**2 - counted**2) / 2), model, test)
+
+
+def is_within(row: Mapping[str, str]) -> bool:
+    """Tell whether a row of measured.csv that is computed is within; else a difference is shown."""
+    if row["E_over_u_val"]:
+        return abs(float(row["E_over_u_val"])) <= COVERAGE
+    return row["measured"] == (row["computed"] or row["coarse"])
+
+
+def say_difference(row: Mapping[str, str]) -> str:
+    """Say of a row of measured.csv whether a difference is shown."""
+    return "within" if is_within(row) else "a difference is shown"

@@ -23,7 +23,7 @@ _INDEX = (
 AGAINST_TESTS = Path(__file__).with_name(
     "against_tests.csv"
 )  # written by `python -m validation measured`
-COLUMNS = "level", "quantity", "words", "n", "within 2 u_val", "bias", "sigma_model", "sigma_test"
+COLUMNS = "level", "quantity", "words", "n", "within 90 %", "bias", "sigma_model", "sigma_test"
 _MEANS = "; for means their difference, to which their standard errors are added"
 
 

@@ -167,9 +167,9 @@ class LimitPosterior:
         """Compute the probability [-] that a shot passes at velocities (v,) [m/s]."""
         return find_spans(self.passed(velocity))
 
-    def cloths(self, narrowed: tuple[str, float] | None = None) -> Span:
-        """Compute the V50 [m/s] that a test of one cloth would find: what is common to its shots is drawn
-        once, so that V50 differs from cloth to cloth.
+    def draw_cloths(self, narrowed: tuple[str, float] | None = None) -> FloatArray:
+        """Return V50 [m/s] (d, m) that tests of single cloths would find: what is common to the shots at
+        one is drawn once, so that V50 differs from cloth to cloth.
 
         Parameters
         ----------
@@ -180,8 +180,11 @@ class LimitPosterior:
         if narrowed is not None:
             name, share = narrowed
             apart[:, self.names.index(name)] *= share
-        limits = self.middle[:, None] * (1 + self.slopes @ (middle + apart).T)
-        return find_spans(limits.reshape(-1, 1))[0]
+        return self.middle[:, None] * (1 + self.slopes @ (middle + apart).T)
+
+    def cloths(self, narrowed: tuple[str, float] | None = None) -> Span:
+        """Compute the V50 [m/s] that a test of one cloth would find; `narrowed` as of `draw_cloths`."""
+        return find_spans(self.draw_cloths(narrowed).reshape(-1, 1))[0]
 
     @cached_property
     def widths(self) -> dict[str, float]:

@@ -13,8 +13,10 @@ from validation.measured import command, rows, statistics
 KEPT = {row["id"]: row["coarse"] for row in csv_file.read(csv_file.DATA / "measured.csv")[1]}
 
 
-def test_rows_have_a_source_and_a_number_or_a_reason():
-    for row in rows.read():
+def test_rows_have_an_id_of_their_own_a_source_and_a_number_or_a_reason():
+    table = rows.read()
+    assert len({row.id for row in table}) == len(table)
+    for row in table:
         reason = row.assumed.startswith(("no model", "no data", "input"))
         assert row.source, row.id
         assert reason == (row.case is None), row.id
@@ -30,6 +32,29 @@ def test_bias_and_scatter_of_two_rows_and_of_one():
         str(statistics.of([2.0], [3.0], [0.2]))
         == "Statistics(bias=1.5, sigma_model=nan, sigma_test=0.1)"
     )
+
+
+@pytest.mark.parametrize("over", [-2.2, -1.6, 0.3, 1.7])
+def test_one_threshold_tells_what_is_within_on_pages_and_in_summaries(tool, over):
+    """E +- 1.645 u_val of 90 %."""
+    row = {"measured": "200", "computed": f"{200 + 7 * over}", "coarse": "", "sigma": "4"}
+    row |= {"E": f"{7 * over}", "u_val": "7", "E_over_u_val": f"{over}"}
+    row |= {"level": "ply", "quantity": "V50 of one ply"}
+    within = abs(over) < 1.645
+    assert statistics.is_within(row) == within
+    (summary,) = command.summary([row])
+    assert summary[statistics.WITHIN] == within
+    assert summary["words"].startswith(f"{int(within)} of 1 within")
+    page = tool("pages").verdict_of_tests(row)
+    assert page.endswith(": within") == within
+    assert page.endswith(": a difference is shown") != within
+    assert tool("pages").count_within([row]).startswith(f"{int(within)} of 1 within")
+
+
+def test_an_outcome_is_within_where_it_is_that_of_the_test():
+    row = {"measured": "stopped", "computed": "", "coarse": "stopped", "E_over_u_val": ""}
+    assert statistics.is_within(row)
+    assert not statistics.is_within(row | {"computed": "perforated"})
 
 
 SHOT = Given(
