@@ -6,6 +6,8 @@
     acme = "acme_weaves.projectiles"    # a package: each file *.toml of its folder is a projectile
     [project.entry-points."weavecell.decks"]
     acme = "acme_deck"                  # a module: writes decks of a code, `weavecell.decks.folder`
+    [project.entry-points."weavecell.parts"]
+    foundation = "acme_parts:Foundation"    # a class: a part of each ply, `shellfabric.part_of_others`
 
 Nothing of them is imported before something of their kind is listed or named.
 """
@@ -44,25 +46,24 @@ def data_files(group: str, own: Container[str]) -> dict[str, Path]:
     return found
 
 
-def modules(group: str, own: Container[str], needs: tuple[str, ...]) -> dict[str, Any]:
-    """Import the modules that distributions add to a group: {name of the entry point: module}.
+def objects(group: str, own: Container[str], needs: tuple[str, ...]) -> dict[str, Any]:
+    """Import what distributions add to a group: {name of the entry point: module, or class}.
 
     Parameters
     ----------
     group, own : as of `data_files`
-    needs : what each module has to have
+    needs : what each has to have
 
     Raises
     ------
-    InputError : a module that cannot be imported or lacks something, or a name that is taken
+    InputError : one that cannot be imported or lacks something, or a name that is taken
     """
     found: dict[str, Any] = {}
     for entry in _entries(group):
         _refuse_taken(entry, entry.name, own, found)
-        module = _load(entry)
-        if not all(hasattr(module, name) for name in needs):
-            raise _unfit(entry, f"a module with {', '.join(needs)}")
-        found[entry.name] = module
+        found[entry.name] = _load(entry)
+        if not all(hasattr(found[entry.name], name) for name in needs):
+            raise _unfit(entry, f"what has {', '.join(needs)}")
     return found
 
 

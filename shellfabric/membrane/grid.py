@@ -12,7 +12,6 @@ straight yarn it is d / c_woven (erratum E-38). How much of it is taken: `time_s
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, sqrt
@@ -62,8 +61,6 @@ class PanelGrid(PanelSetup):
     strength_factors : (warp, weft) factors on `strengths` of each yarn, as many as `yarn_counts`,
         or None where all are alike. They are those of the modelled part: across a plane of symmetry
         a yarn has that of its image
-    parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
-        of the panel
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
         axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
         it in it
@@ -81,7 +78,6 @@ class PanelGrid(PanelSetup):
     trellis: bool = True
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
-    parts: tuple[Callable[[PanelGrid], Part], ...] = ()
     ply_angle: float = 0.0
 
     def __post_init__(self):

@@ -27,7 +27,7 @@ def install(tmp_path, monkeypatch):
 
 def test_nothing_is_added_where_nothing_is_installed():
     assert plugs.data_files(GROUP, ()) == {}
-    assert plugs.modules("weavecell.decks", (), ()) == {}
+    assert plugs.objects("weavecell.decks", (), ()) == {}
 
 
 def test_each_data_file_of_a_package_is_a_name(install, tmp_path):
@@ -61,17 +61,17 @@ def test_a_package_that_cannot_be_used_is_named(install, entry, files, words):
 @pytest.mark.parametrize(
     "entry, words",
     [
-        ("other = acme_code", "a module with NAME, write"),
+        ("other = acme_code", "what has NAME, write"),
         ("radioss = acme_code", '"radioss" is taken'),
     ],
 )
 def test_a_module_that_lacks_something_or_has_a_name_of_ours_is_named(install, entry, words):
     install(entry, {"acme_code.py": "NAME = 'Other'"}, "weavecell.decks")
     with pytest.raises(InputError, match=words):
-        plugs.modules("weavecell.decks", {"radioss"}, ("NAME", "write"))
+        plugs.objects("weavecell.decks", {"radioss"}, ("NAME", "write"))
 
 
 def test_a_module_is_found_by_the_name_of_its_entry_point(install):
     install("other = acme_whole", {"acme_whole.py": "NAME = 'Other'"}, "weavecell.decks")
-    found = plugs.modules("weavecell.decks", {"radioss"}, ("NAME",))
+    found = plugs.objects("weavecell.decks", {"radioss"}, ("NAME",))
     assert {name: module.NAME for name, module in found.items()} == {"other": "Other"}

@@ -1,5 +1,5 @@
-"""A package of somebody else, in a folder outside the checkout and installed by pip: its fabric, projectile and code
-are in the lists, and are shot at, fired and written to like our own."""
+"""A package of somebody else, in a folder outside the checkout and installed by pip: its fabric, projectile, part and
+code are in the lists, and are shot at, fired, computed and written to like our own."""
 
 import os
 import shutil
@@ -28,6 +28,9 @@ acme = "acme_weaves.noses"
 [project.entry-points."weavecell.decks"]
 acme = "acme_weaves.deck"
 
+[project.entry-points."weavecell.parts"]
+foundation = "acme_weaves.foundation:Foundation"
+
 [tool.setuptools]
 packages = ["acme_weaves", "acme_weaves.noses"]
 
@@ -53,6 +56,69 @@ def names(name):
 
 def write(deck, name):
     return {f"{name}.acme": write_ours(deck, name)[f"{name}.k"]}
+"""
+PART = """\
+from shellfabric.jit.table import Row, number
+from shellfabric.parts import Part
+from shellfabric.state import unit
+
+
+class FoundationRow(Row):
+    stiffness = number("N/m3", "pressure of the foundation over its deflection")
+
+
+@unit("number", own=FoundationRow)
+def foundation_forces(state, const, own, first, last, acting):
+    energy = 0.0
+    spring = own.stiffness * const.dx * const.dy
+    for k in range(first * const.row_stride, (last + 1) * const.row_stride):
+        energy += 0.5 * spring * state.u[2][k] ** 2
+        if acting:
+            state.f_int[2][k] -= spring * state.u[2][k]
+    return energy
+
+
+class Foundation(Part):
+    keys = {"stiffness": "N/m^3"}
+    name = energy = "part_foundation"
+    forces = foundation_forces
+
+    def __init__(self, panel, stiffness):
+        self.row = FoundationRow(stiffness=stiffness)
+        self.stiffness = 0.25 * stiffness / panel.weave.areal_density
+"""
+FIRED = """\
+import weavecell as wc
+
+short = {"opening": "30 mm", "end_time": "20 us"}
+part = {"foundation": {"stiffness": "2e10 N/m^3"}}
+plain = wc.impact("S-720", "60 m/s", crossovers="pinned", **short)
+shot = wc.impact("S-720", "60 m/s", parts=part, out="shot", **short)
+stored = shot.energies["part_foundation"]
+print(shot.target.setup.crossovers, wc.load("shot").energies["part_foundation"][-1] == stored[-1])
+print(stored[-1] > 0.01 * shot.strike_energy, shot.energy_error_max < 2e-3)
+print(shot.velocity[-1] < plain.velocity[-1])
+print(shot.target.setup.frame_in_words[-1])
+for parts, more in (
+    ({"foundation": {"stiffness": "2e10 N/m^2"}}, {}),
+    ({"foundation": {}}, {}),
+    ({"fundation": {"stiffness": "2e10 N/m^3"}}, {}),
+    (part, {"crossovers": "yarns"}),
+):
+    try:
+        wc.setup("S-720", "60 m/s", parts=parts, **more, **short)
+    except wc.InputError as problem:
+        print(problem)
+"""
+SAID = """\
+None True
+True True
+True
+Each ply has the part foundation of an installed package, stiffness 2e+10 N/m^3.
+parts.foundation.stiffness = '2e10 N/m^2': must be a text with a unit that converts to N/m^3, such as "1 N/m^3"
+parts.foundation = {}: must be a table with stiffness
+parts.fundation = 'fundation': unknown part, did you mean "foundation"? allowed: foundation
+parts: must be left out with resolved yarns
 """
 PROGRAM = """\
 import weavecell as wc
@@ -87,7 +153,12 @@ def acme(tmp_path_factory):
     folder = tmp_path_factory.mktemp("acme")
     package = folder / "source" / "acme_weaves"
     (package / "noses").mkdir(parents=True)
-    for module, text in (("__init__", ""), ("noses/__init__", ""), ("deck", DECK)):
+    for module, text in (
+        ("__init__", ""),
+        ("noses/__init__", ""),
+        ("deck", DECK),
+        ("foundation", PART),
+    ):
         (package / f"{module}.py").write_text(text)
     fabric = ROOT / "tests" / "weavecell" / "own_fabrics" / "twaron-930.toml"
     shutil.copy(fabric, package / "Acme 930.toml")
@@ -115,3 +186,11 @@ def test_a_package_of_others_is_listed_and_used(acme, tmp_path):
     assert (tmp_path / "deck" / "Acme 930.acme").read_text().startswith("*KEYWORD")
     lists = acme("-m", "weavecell", "fabrics", "list", at=tmp_path)
     assert "Acme 930" in lists.stdout
+
+
+@pytest.mark.slow(20)
+def test_a_part_of_others_acts_in_a_shot(acme, tmp_path):
+    """Its kernel compiles its own file alone."""
+    done = acme("-c", FIRED, at=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == SAID

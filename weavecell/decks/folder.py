@@ -38,9 +38,9 @@ def codes() -> dict[str, Any]:
 
     Raises
     ------
-    InputError : as `plugs.modules`
+    InputError : as `plugs.objects`
     """
-    return CODES | plugs.modules("weavecell.decks", CODES, NEEDS)
+    return CODES | plugs.objects("weavecell.decks", CODES, NEEDS)
 
 
 def check(to: str, units: str, match: str) -> None:
