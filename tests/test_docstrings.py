@@ -439,36 +439,10 @@ LONG_HEADS = """
 fabrics/base/tables.py
 fabrics/data_sheet.py
 unitcell3d/assembly/constraints.py
-unitcell3d/cases/pull_out.py
-unitcell3d/contact/edge_contact_kernels.py
-unitcell3d/contact/side_contact_kernels.py
-unitcell3d/contact/surface_contact_kernels.py
-unitcell3d/contact/surface_kernels.py
-unitcell3d/identify/biaxial_states.py
-unitcell3d/identify/calibration.py
-unitcell3d/identify/law_range.py
-unitcell3d/identify/platen_states.py
-unitcell3d/identify/solid_fit.py
 unitcell3d/model/periodic_cell.py
-unitcell3d/model/pull_out.py
-unitcell3d/solver/newton.py
-shellfabric/contact/friction.py
-shellfabric/contact/normal_kernels.py
-shellfabric/plies/guard_kernels.py
-shellfabric/plies/model.py
-shellfabric/plies/near_kernels.py
-shellfabric/plies/pressure_kernels.py
 weavecell/runs/go_no_go.py
 weavecell/runs/plies.py
 weavecell/scenes/fabric_file.py
-validation/claims/claims.py
-validation/claims/command.py
-validation/judges.py
-validation/models/cable/net.py
-validation/models/cable/smith.py
-validation/models/solids/facet_kernels.py
-validation/models/solids/yarn_kernels.py
-validation/study.py
 """
 
 
