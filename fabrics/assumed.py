@@ -1,19 +1,13 @@
-"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid,
-crimp, failure length.
+"""What is assumed of a fabric whose file does not give it: trellis shear, the yarn as a solid, crimp,
+failure length.
 
-The laws are the defaults of the yarns' fibre family (`fabrics.families`); the angles and moduli of
-the trellis follow from the weave. Crimp follows from areal density or thickness
-(`fabrics.data_sheet`), which have a range, as the share of the warp and the length of a change of
-sides. The failure length is one for all families
-(`data_sheet.toml`). A fabric says what has been assumed:
-`Fabric.assumed` names it, its `sources` hold the values with the status "assumed" or "derived", and
-`lines` is what a command prints and records. `shear_at`, `scale_ranged` and `of_thickness` are the fabric at
-any place of the assumed ranges, `solid_ends` and `crimp_ends` at either end.
+Laws are those of the yarns' fibre family (`fabrics.families`), crimp follows from areal density or
+thickness (`fabrics.data_sheet`), the failure length is one for all (`data_sheet.toml`).
+`Fabric.assumed` names what was assumed, `sources` have it with the status "assumed" or "derived",
+and `lines` is what a command prints.
 
-A number of the file with `low` and `high` has that range. A guess without them, which has the
-status "assumed" or, in [shear] or [solid], no source, has the range of its fibre family about it.
-A number with the status "measured" may have a range too, as where others measured differently: it
-is no assumption (`ranges_of_measured` tells it), and is varied with what is assumed.
+A number with `low` and `high` in the file has that range, measured or not. A guess without them
+(status "assumed", or in [shear] and [solid] no source) has the range of its family about it.
 """
 
 from __future__ import annotations

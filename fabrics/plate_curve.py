@@ -1,21 +1,14 @@
-"""Compression of one ply between flat platens: pressure against what the platens have closed since
-a first pressure.
+"""Compression of one ply between flat platens: pressure against what the platens have closed since a
+first pressure.
 
-Built in, the law of the thesis (eqs. 2-5, 2-6; errata E-02 .. E-04), in thickness t for volume:
+Built in, the law of the thesis (eqs. 2-5, 2-6; errata E-02 .. E-04), thickness t for volume:
 
-    P = K'' / (t - t_min)^3,  K'' = c1 A_d^3 + c2    ->    closure = K''^(1/3) (P_start^(-1/3) -
-                                                     P^(-1/3))
+    P = K'' / (t - t_min)^3,   K'' = c1 A_d^3 + c2   ->   closure = K''^(1/3) (P_start^(-1/3) - P^(-1/3))
 
-t_min is in a lost figure; a closure does not need it. c2 is negative: K'' changes sign at A_d =
-148.3 g/m2.
+t_min is in a lost figure; a closure does not need it. c2 < 0: K'' changes sign at 148.3 g/m2.
 
-A user's curve is a CSV file of two columns. The first line that is not a comment (#) names them
-with their units, in either order, separated by a comma:
-
-    pressure [MPa], thickness [mm]          or          pressure [kPa], closure [um]
-
-Pressures rise; thicknesses fall, closures rise. Only the loading belongs in the file. At least five
-rows.
+A user's curve is a CSV file of loading alone, five rows or more: "pressure [MPa], thickness [mm]",
+falling, or "pressure [kPa], closure [um]", rising, in either order. Lines with # are comments.
 """
 
 from __future__ import annotations

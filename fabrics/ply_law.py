@@ -1,17 +1,13 @@
-"""Contact law of two neighbouring plies: pressure against closure, per area, the same on every
-mesh.
+"""Contact law of two neighbouring plies: pressure against closure, per area, the same on every mesh
+(docs/theory-panel.md, "Packs: contact law of plies"; which one a fabric has: `fabrics.ply_laws`).
 
-Closure is the thickness that two half plies lose under a pressure from outside, from their
-thickness at rest on; of two plies of one fabric it is what one ply loses between platens. The weave
-gives way first (127 to 240 um up to 19.4 MPa in the 3D crossovers of six Kevlar 129 fabrics), then
-fibre is pressed on fibre:
+Closure is the thickness that two half plies lose under a pressure from outside, from rest on; of two
+plies of one fabric, what one ply loses between platens. The weave gives way first (127 to 240 um up
+to 19.4 MPa in the 3D crossovers of six Kevlar 129 fabrics), then fibre is pressed on fibre:
 
     p(d)  from samples, linear between them,        dp/dd = E_c rho_f / A_d  beyond the last one
 
-with E_c the transverse modulus of packed yarn, rho_f the density of the fibre and A_d the areal
-density of a ply, so that A_d / rho_f is the thickness of a solid sheet of its fibre.
-
-Which law a fabric has: `fabrics.ply_laws`.
+E_c: transverse modulus of packed yarn; rho_f: density of fibre; A_d: areal density of a ply.
 """
 
 from __future__ import annotations

@@ -17,8 +17,7 @@ from typing import Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
-from fabrics.base.schema import read_toml
-from fabrics.base.sourced import Constants, SourcedTables
+from fabrics.base.sourced import Constants, SourcedTables, read_constants
 from fabrics.base.units import si
 
 _FILE = Path(__file__).with_name("projectiles.toml")
@@ -42,7 +41,7 @@ _OF_METAL = (
 )
 _OF_SHAPE = {"sphere": ("mass", "diameter"), "stl": ("mass", "edge_radius")}
 
-TABLES = SourcedTables(_FILE, "projectile")
+TABLES = SourcedTables(_FILE, "projectile", group="weavecell.projectiles")
 list_names = TABLES.list_names
 
 
@@ -61,16 +60,7 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
         names there are
     """
     if name.endswith(".toml"):
-        path = Path(file or "").parent / name
-        own: dict[str, Any] = {"shape": "flat"} | read_toml(path, what="projectile")[1]
-        sole = {"source": path.name, "status": "user"}
-        shape = own.pop("shape")
-        entries = {}
-        for key, value in own.items():
-            if not isinstance(value, dict):
-                value = {"value": value}
-            entries[key] = sole | value
-        return shape, entries
+        return _take_shape(read_constants(Path(file or "").parent / name, "projectile"))
     near = None
     name = known_name(name)
     ball = _SPHERE.fullmatch(name)
@@ -79,8 +69,16 @@ def entry(name: str, *, file: FilePath | None = None, key: str = "name") -> tupl
             return "sphere", _sphere(ball[1])
     if name not in list_names():
         near = _nearest_by_value(name)
-    data: dict[str, Any] = dict(TABLES.entry(name, file=file, key=key, near=near))
-    return data.pop("shape"), data
+    return _take_shape(TABLES.entry(name, file=file, key=key, near=near))
+
+
+def _take_shape(constants):
+    """(shape, the other constants); our own file has the shape as a text."""
+    data = dict(constants)
+    shape = data.pop("shape", "flat")
+    if isinstance(shape, dict):
+        shape = shape["value"]
+    return shape, data
 
 
 def _sphere(diameter):

@@ -1,23 +1,11 @@
 """Variants of a fabric: the one place where a fabric is changed into another.
 
-Every function takes a `Fabric` and returns a new one; the given fabric stays as it is. A value of
-the yarns is a number for both families or a pair (warp, weft), and so is a factor. Sources stay
-those of the given fabric.
+Every function takes a `Fabric` and returns a new one. A value of the yarns, or a factor, is one
+number for both families or a pair (warp, weft). Sources stay those of the given fabric.
 
-| change | function |
-| --- | --- |
-| linear density, of the data sheet or of the runs of the thesis | `with_linear_density` |
-| values of the yarns (crimp, modulus, ...) | `Fabric.with_yarns`, `scale_yarns` |
-| areal density at constant stiffness of the yarns | `scale_areal_density` |
-| compression laws | `scale_laws` |
-| trellis shear | `with_shear`, `scale_shear` |
-| solid laws of the 3D crossover | `with_solids` |
-| failure length | `with_failure_length` |
-| warp and weft exchanged | `rotated_90` |
-
-Laws that are assumed by fibre family: `fabrics.assumed`. Which cell a fabric is solved with
-(compressible, incompressible, decoupled) is a choice of the model:
-`shellfabric.cell.model.CellModel`.
+Values of the yarns (crimp, modulus, ...) are also set by `Fabric.with_yarns`; laws that are assumed
+by fibre family are in `fabrics.assumed`; which cell a fabric is solved with is a choice of the
+model (`shellfabric.cell.model.CellModel`).
 """
 
 from __future__ import annotations

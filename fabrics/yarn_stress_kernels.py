@@ -1,32 +1,12 @@
 """The stress of the solid of a yarn and of its fibre bars, written once for UFL and for Numba (thesis
-sections 3.4.1 and 3.4.2, erratum E-20).
+sections 3.4.1, 3.4.2, eqs. 3-2 to 3-16, erratum E-20; equations: docs/theory-cell.md, "The 3D
+crossover: material").
 
-A frame follows the fibre. With e1 along the fibre, e2 across and e3 through the yarn at rest, Q0 =
-[e1 e2 e3], and f_i = F e_i, the deformed edges factor as
+The functions are plain arithmetic over the root, logarithm and rounded maximum that they are made
+with: those of UFL (`unitcell3d.material.solid_law`) make what dolfinx compiles, those of Python
+(`validation.models.solids.law_kernels`) what Numba compiles.
 
-    F Q0 = Q R,    R upper triangular,
-
-so that q1 follows the fibre, q2 the layer, and q3 is normal to the layer. Because R' R^-1 is
-triangular too, its diagonal integrates exactly: the logarithmic strains are (eq. 3-8)
-
-    e_i = ln R_ii,    shear g_ij = R_ij / R_jj  (tangent of the angle that edge j has turned towards q_i).
-
-    V_f   = Vf0 / (R_22 R_33)                           (eqs. 3-7, 3-9: exp(e_1) / J)
-    E_1   = E_a V_f                                     (eq. 3-2)
-    E_2   = E_3 = a_E / (b_E - clip(V_f, Vf0, V_c))     (eqs. 3-10 .. 3-14, capped at V_c: erratum E-20)
-    sigma = Q S Q^T,  S_ii = E_i e_i,  S_ij = G g_ij    (eqs. 3-15, 3-16; Poisson's ratios 0)
-    P e_i = Q (J S R^-T)_i                              (first Piola-Kirchhoff stress)
-
-A rigid rotation changes Q alone. The moduli are secants of a state that other strains move, so the
-law has no potential. The two corners of E_2 are rounded by parabolas over half widths `LOOSE_WIDTH`
-and `PACKED_WIDTH` of V_f, which lower the corner by a quarter of that: 0.4 % of E_2 at Vf0 and 8 %
-of E_c at V_c, where E_2 rises by a factor of 2 within 0.006 of V_f.
-
-A fibre bar has the force N = E A s(e) at the strain e = l / L - 1 (eq. 4-7: nominal).
-
-The functions here are plain arithmetic over the square root, the logarithm and the rounded maximum
-that they are made with: those of UFL (`unitcell3d.material.solid_law`) make expressions that dolfinx
-compiles, those of Python (`validation.models.solids.law_kernels`) make what Numba compiles.
+The moduli are secants of a state that other strains move: the law has no potential.
 """
 
 LOOSE_WIDTH = 5e-3
@@ -34,7 +14,12 @@ PACKED_WIDTH = 2e-3
 
 
 def make_modulus(smooth_max):
-    """Make the secant modulus of a yarn across its fibres, of smooth_max(x, corner, width)."""
+    """Make the secant modulus of a yarn across its fibres, of smooth_max(x, corner, width).
+
+    Both corners of E_2 = a_E / (b_E - clip(V_f, Vf0, V_c)) are rounded by parabolas over half
+    widths `LOOSE_WIDTH` and `PACKED_WIDTH` of V_f, which lower the corner by a quarter of that:
+    0.4 % of E_2 at Vf0 and 8 % of E_c at V_c, where E_2 rises by a factor of 2 within 0.006 of V_f.
+    """
 
     def transverse_modulus(V_f, Vf0, V_c, a_E, b_E):
         """Compute the secant modulus E_2 = E_3 [Pa] at the fibre volume fraction `V_f` (eqs. 3-10
@@ -46,7 +31,13 @@ def make_modulus(smooth_max):
 
 
 def make_factors(sqrt):
-    """Make the factorisation F Q0 = Q R, of sqrt(x)."""
+    """Make the factorisation F Q0 = Q R, of sqrt(x).
+
+    With e1 along the fibre, e2 across and e3 through the yarn at rest, Q0 = [e1 e2 e3], R is upper
+    triangular: q1 follows the fibre, q2 the layer, q3 is normal to the layer. R' R^-1 is triangular
+    too, so that its diagonal integrates exactly: strains ln R_ii (eq. 3-8), shears R_ij / R_jj, the
+    tangent of the angle that edge j has turned towards q_i. A rigid rotation changes Q alone.
+    """
 
     def factors(f1, f2, f3):
         """Compute the columns q1, q2, q3 of Q, and R11, R22, R33, R12, R13, R23, from the edges

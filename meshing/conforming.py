@@ -1,22 +1,13 @@
-"""Sections that conform: the face of each yarn that meets the other is the other's arch, so the
-yarns touch everywhere.
+"""Sections that conform: the face of each yarn that meets the other is the other's arch, so the yarns
+touch everywhere.
 
-With the centrelines of eq. 4-1 of the thesis, and sections that move along them without change, the
-gap between warp and weft is [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)]
-(`meshing.section_fit`). It is zero at every point if, and only if,
+The gap of `meshing.section_fit` is zero at every point if, and only if, with one free length kappa,
 
-    q_1(y) = h_2 cos(pi y / 2 w_2) + kappa,    q_2(x) = h_1 cos(pi x / 2 w_1) - kappa,
+    q_1(y) = h_2 cos(pi y / 2 w_2) + kappa,    q_2(x) = h_1 cos(pi x / 2 w_1) - kappa
 
-with one free length kappa. A lens of prescribed shape (sine, ellipse) fits a balanced weave only:
-where h_1 is several times h_2 it rides on the crest of the flat yarn, and has to be squeezed to fit
-at all. Here kappa gives area from one yarn to the other, so that both keep the ratio of their fibre
-volume fractions,
-
-    A_1(kappa) / A_2(kappa) = A_s1 (1 + crimp_1) Vf0_2 / (A_s2 (1 + crimp_2) Vf0_1),
-
-and both are multiplied by what is left over: the room that the crimp leaves is filled. Of the yarn
-with kappa > 0 the edges are blunt, as wide as the cell allows; the other one is narrower than its
-spacing. kappa > 0 is that of the warp.
+A lens of prescribed shape (sine, ellipse) fits a balanced weave only: where h_1 is several times h_2
+it rides on the crest of the flat yarn. Of the yarn with kappa > 0 (that of the warp) the edges are
+blunt, as wide as the cell allows; the other is narrower than its spacing.
 """
 
 from __future__ import annotations
@@ -104,6 +95,13 @@ def conform(
     widths: Sequence[float], areas: Sequence[float], weave: Weave, tip_thickness_ratio: float
 ) -> tuple[ConformingSection, ConformingSection]:
     """Fit the two sections that touch everywhere, with areas in the ratio of `areas`.
+
+    kappa gives area from one yarn to the other, so that both keep the ratio of their fibre volume
+    fractions,
+
+        A_1(kappa) / A_2(kappa) = A_s1 (1 + crimp_1) Vf0_2 / (A_s2 (1 + crimp_2) Vf0_1),
+
+    and both are multiplied by what is left over: the room that the crimp leaves is filled.
 
     Parameters
     ----------

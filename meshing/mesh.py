@@ -1,16 +1,14 @@
 """Yarns meshed in hexahedra with fibre bars: what a crossover and a woven patch have in common.
 
-A vertical section (`meshing.section`) is carried along the centreline by pure translation:
+A vertical section (`meshing.section`) is carried along the centreline by pure translation,
 
-    warp   (s, p, q) -> (s, p, z(s) + q)
-    weft   (s, p, q) -> (p, s, z(s) + q)
+    warp   (s, p, q) -> (s, p, z(s) + q),    weft   (s, p, q) -> (p, s, z(s) + q),
 
-so every fibre is the centreline moved sideways, all have the length S0 of eq. 4-4 of the thesis,
-and with the vertical area A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh
-makes this geometry and meshes it (`meshing.geometry`, `meshing.generate`), in steps of equal length
-along the fibres. Mesh lines along a yarn are fibre lines. Each carries a bar whose area is the
-share of its node in the section, scaled so that all bars of a section together are the fibre area:
-the bars lie along the fibre, so a straightened yarn has the stiffness E A_s exactly.
+so every fibre has the length S0 of eq. 4-4 of the thesis, and with the vertical area
+A_s (1 + crimp) / Vf0 the yarn's volume is S0 A_s / Vf0 exactly. gmsh makes geometry and mesh
+(`meshing.geometry`, `meshing.generate`), in equal steps along the fibres. Mesh lines along a yarn
+are fibre lines. Each has a bar of its node's share of the section, scaled so that the bars of a
+section together are the fibre area: a straightened yarn has the stiffness E A_s exactly.
 """
 
 from __future__ import annotations

@@ -1,17 +1,14 @@
-"""A woven patch of n warp and m weft yarns in hexahedra, whole yarns over and under: a plain
-weave's chequerboard.
+"""A woven patch of n warp and m weft yarns in hexahedra: a plain weave's chequerboard. 2 x 2 is the unit
+cell of four crossovers.
 
-Warp i lies at y_i, weft j at x_j, centred on the origin, i and j counted from 1. The warp is over
-the weft where i + j is even. Each centreline is one cosine from end to end (thesis eq. 4-1):
+Warp i lies at y_i, weft j at x_j, centred on the origin, counted from 1; the warp is over the weft
+where i + j is even. Centrelines are one cosine from end to end (thesis eq. 4-1), on z = 0 at the ends:
 
     warp i   z =  (-1)^(i+1) h_1 cos(pi (x - x_1) / 2 w_1)
     weft j   z = -(-1)^(j+1) h_2 cos(pi (y - y_1) / 2 w_2)
 
-The patch ends between crossings, on the plane z = 0 where the centrelines turn. With n and m even
-opposite ends fit each other: 2 x 2 is the unit cell of four crossovers.
-
-A yarn that is over here and under there cannot be moved away from both neighbours as a rigid body,
-so an overlap is removed from the sections alone, and a gap is left open (`meshing.section_fit`).
+A yarn that is over here and under there cannot be moved as a rigid body: an overlap is removed from
+the sections alone, and a gap is left open (`meshing.section_fit`).
 """
 
 from __future__ import annotations

@@ -1,28 +1,14 @@
-"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, and
-reported.
+"""Sections for warp and weft that just touch: the overlap of the two yarns measured, removed, reported.
 
-Warp lies over weft. With sections q_i and centrelines z_1 = h_1 cos(pi x / 2 w_1), z_2 = -h_2
-cos(pi y / 2 w_2) the gap between the lower face of the warp and the upper face of the weft is
+Warp lies over weft. With sections q_i and heights h_i of the centrelines the gap between the yarns,
 
     g(x, y) = [h_1 cos(pi x / 2 w_1) - q_2(x)] + [h_2 cos(pi y / 2 w_2) - q_1(y)],
 
-a sum of one function of x (weft section under the warp's arch) and one of y, so its least value is
-the sum of two one-dimensional minima, the *clearances* of the two yarns. The overlap is minus that
-sum. It is removed by the first of these that suffices:
+is a function of x and one of y, so that its least value is the sum of two one-dimensional minima,
+the *clearances*. The overlap is minus that sum. "conforming" sections (`meshing.conforming`) have
+no gap and no overlap anywhere; their areas are what the crimp leaves room for.
 
-1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
-2. narrow     the sections are made narrower at the same area, no more than needed (not if the widths are prescribed);
-3. densify    the areas are reduced by one factor, no more than needed: the yarn area of the mesh is then limited by the
-              crossing yarn, as in the thesis, section A.2, and Vf0 = A_s / A_yarn rises, at most to
-              the closest packing of round fibres.
-
-After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift too, which is
-then negative. Where the yarns cannot be shifted (a woven patch) the first step is left out, and a
-gap stays open. "conforming" sections (`meshing.conforming`) have no gap and no overlap anywhere;
-their areas are what the crimp leaves room for, more or less than requested.
-
-These are the smooth surfaces. The flat facets of a mesh between nodes on them still overlap by
-their sag, of order two in the mesh size.
+These are the smooth surfaces: the facets of a mesh still overlap by their sag, of second order.
 """
 
 from __future__ import annotations
@@ -135,6 +121,16 @@ def fit_sections(
     shift: bool = True,
 ) -> SectionFit:
     """Find sections of the two yarns that touch without overlapping.
+
+    The overlap is removed by the first of these that suffices:
+
+    1. shift      the yarns are moved apart in z as rigid bodies, by at most 2 % of h_1 + h_2;
+    2. narrow     sections of the same area are made narrower (not if the widths are prescribed);
+    3. densify    the areas are reduced by one factor: the crossing yarn limits the yarn area, as in
+                  thesis section A.2, and Vf0 = A_s / A_yarn rises, at most to the closest packing.
+
+    After 2 or 3 no shift is left. A gap that is positive everywhere is closed by a shift, which is
+    negative. Without `shift`, as in a woven patch, it stays open.
 
     Parameters
     ----------

@@ -1,16 +1,14 @@
-"""The plastic flow of isotropic solids: that of a block behind the fabric, and that of metal.
-
-Both yield by J2, with an effective plastic strain alpha, and return to the yield surface along the
-trial: from a trial stress q the increment d of alpha in a step of dt solves
+"""The plastic flow of isotropic solids: that of a block behind the fabric, and that of metal. From a
+trial stress q the increment d of the effective plastic strain alpha in a step of dt solves
 
     q - 3 G d = flow stress(alpha + d, d / dt)                                        (1)
 
     clay and gelatine   (sigma_y + H alpha) (1 + rate / reference)^m                    (2)
     metals              (A + B alpha^n) (1 + C ln(1 + rate / reference)) (1 - (w / w_m)^s)   (3)
 
-Equation (3) is that of Johnson and Cook (1983), with ln(1 + x) for ln x, so that it has no end
-below the reference rate. w is the plastic work of a unit of volume, which stays as heat, w_m what
-melts it (`fabrics.metals.Metal.melting_work`).
+(3) is that of Johnson and Cook (1983), with ln(1 + x) for ln x, so that it has no end below the
+reference rate. w is the plastic work of a unit of volume, which stays as heat, w_m what melts it
+(`fabrics.metals.Metal.melting_work`).
 """
 
 import math

@@ -1,22 +1,14 @@
-"""What joins a run besides membrane, nose and other plies: one plug for all of it.
-
-Yarns that bend or lie packed, a zone of resolved yarns, a block behind the last ply, a projectile
-that deforms, and whatever force a Panel is given: each is a `Part`. It has units for the phases of
-a step in which it acts:
+"""What joins a run besides membrane, nose and other plies: one plug for all of it. Yarns that bend or lie
+packed, resolved yarns, a block, a projectile that deforms, and whatever force a Panel is given: each is
+a `Part` with units for the phases of a step in which it acts. `own` is its row:
 
     flight(state, const, own, force)                   as the projectile flies on
     forces(state, const, own, first, last, acting)     with the forces of its ply
     nose(state, const, own)                            in place of the membrane's contact with the nose
     after(state, const, own)                           when all have moved
 
-`own` is its row. `flight` takes the force [N] on the projectile along its axis, sets
-state.projectile_velocity, and keeps `motion`. `forces` returns the energy [J] that is stored at the
-node rows first .. last, and adds its forces to state.f_int if `acting`. `nose` sets
-state.f_contact_nose. `after` may add to state.f_int: nodes take it up in the next step.
-
-All units of a phase have one signature, so that kernels call them through addresses
-(`state.PartTable`): a new part compiles its own file and nothing else. A part that needs shorter
-steps than the run makes several in one of its units (`subcycle_kernels.subcycle`).
+All units of a phase have one signature, so that kernels call them through addresses (`state.PartTable`):
+a new part compiles its own file and nothing else.
 """
 
 from __future__ import annotations
@@ -39,6 +31,12 @@ ROUNDING = 1e-9  # share by which a step may pass its bound
 class Part:
     """A body or a force that joins the steps of a run. What a part does not have stays as it is
     here.
+
+    `flight` takes the force [N] on the projectile along its axis, sets state.projectile_velocity,
+    and keeps `motion`. `forces` returns the energy [J] that is stored at the node rows first ..
+    last, and adds its forces to state.f_int if acting. `nose` sets state.f_contact_nose. `after`
+    may add to state.f_int: nodes take it up in the next step. A part that needs shorter steps than
+    the run makes several in one of its units (`subcycle_kernels.subcycle`).
 
     Attributes
     ----------

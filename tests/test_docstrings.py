@@ -434,6 +434,29 @@ def test_public_functions_without_a_verb_are_reported_properties_and_private_one
     assert found == ["fabrics/membrane.py:1 force", "fabrics/membrane.py:15 Yarn.strain"]
 
 
+# heads of modules that are longer than 12 lines, whose theory is still to move: no new ones
+LONG_HEADS = """
+fabrics/base/tables.py
+fabrics/data_sheet.py
+unitcell3d/assembly/constraints.py
+unitcell3d/model/periodic_cell.py
+weavecell/runs/go_no_go.py
+weavecell/runs/plies.py
+weavecell/scenes/fabric_file.py
+"""
+
+
+def test_heads_of_modules_have_twelve_lines_at_most(tool):
+    assert set(tool("docstrings").long_heads()) <= set(LONG_HEADS.split())
+
+
+def test_a_long_head_is_counted(tool, tmp_path):
+    (tmp_path / "fabrics").mkdir()
+    (tmp_path / "fabrics" / "short.py").write_text('"""' + "line\n" * 12 + '"""\n')
+    (tmp_path / "fabrics" / "long.py").write_text('"""' + "line\n" * 13 + '"""\n')
+    assert tool("docstrings").long_heads(tmp_path) == {"fabrics/long.py": 13}
+
+
 @pytest.mark.parametrize(
     ("text", "dead"),
     [
@@ -465,9 +488,9 @@ def test_docstrings_of_public_functions_explain_their_parameters_and_no_others(t
     assert "impact" in python_page.passing_on()
 
 
-def test_the_python_page_refuses_to_leave_a_public_function_out(tool, monkeypatch):
+def test_the_python_page_leaves_no_public_function_out(tool, monkeypatch):
     python_page = tool("python_page")
+    assert "## Others" not in python_page.page()
     shots = [name for name in python_page.SECTIONS["Shots"] if name != "impact"]
     monkeypatch.setitem(python_page.SECTIONS, "Shots", tuple(shots))
-    with pytest.raises(ValueError, match=r"has no impact$"):
-        python_page.page()
+    assert "## Others\n\n### impact\n" in python_page.page()

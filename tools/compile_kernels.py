@@ -6,9 +6,7 @@ ply : what `make demo` and a first shot run, one ply on a graded mesh; half a mi
 all : also packs, uniform meshes, the projectiles, edges that slip, resolved yarns, blocks, coupons
     and woven solids; two to three minutes
 
-Kernels that are in the cache already are not compiled again, those that no source stands for any more
-are removed.
-
+What is in the cache already is not compiled again; kernels that no source stands for are removed.
 --portable compiles for all processors with the instructions of x86-64-v3, or of 64-bit ARM, which
 find these kernels where they have none of their own: for an image or a wheel.
 """

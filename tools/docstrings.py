@@ -1,4 +1,4 @@
-"""Public functions and methods whose docstring does not begin with a verb.
+"""Public functions and methods whose docstring does not begin with a verb, and long heads of modules.
 
     python tools/docstrings.py
 
@@ -34,6 +34,8 @@ Strike Subtract Sum Summarise Swap Tabulate Take Tell Test Thicken Thin Tie Time
 Turn Undo Unpack Update Validate Wait Walk Warn Widen Wrap Write Yield
 """
 VERBS = frozenset(WORDS.split())
+# what a caller needs of a module; theory is in docs/theory-*.md, what one function does in its docstring
+MOST_LINES = 12
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -78,5 +80,17 @@ def without_verb(root: Path = ROOT) -> list[str]:
     return found
 
 
+def long_heads(root: Path = ROOT) -> dict[str, int]:
+    """Count the lines of the docstrings of modules that are longer than `MOST_LINES`, by file."""
+    found = {}
+    for package in PACKAGES:
+        for path in sorted((root / package).rglob("*.py")):
+            head = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
+            if len(head.splitlines()) > MOST_LINES:
+                found[path.relative_to(root).as_posix()] = len(head.splitlines())
+    return found
+
+
 if __name__ == "__main__":
     print("\n".join(without_verb()))
+    print("\n".join(f"{file}: {lines} lines" for file, lines in long_heads().items()))

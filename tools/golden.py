@@ -3,14 +3,12 @@
     python tools/golden.py                    write them, half a minute of one core
     python tools/golden.py --check [NAME...]  compute them again, and compare with those that are kept
 
-Each file holds the numbers of one result by their names in the solver: of a fact its value, of a history mean, root
-mean square and every tenth row, of a field mean and root mean square; columns of unlike units are fields of their own.
-
-Two processors round differently. A number may differ by a tolerance times the root mean square of its field, or times a
-floor of its unit where the field is smaller still (a mean that is zero by symmetry): 1e-9 of one ply, 1e-4 where bodies
-touch one another or a search ends at a tolerance of its own. On the machine that wrote a file it is 1e-11 for all: the
-file says which processor, BLAS and libraries that was (`machine`). What measures the way to a solution (residuals,
-iterations) is left out, and a coupon is relaxed to 1e-10 in two steps, of which none is unloaded.
+A file holds the numbers of one result by their names in the solver: of a fact its value, of a history mean,
+root mean square and every tenth row, of a field mean and root mean square. A number may differ by a tolerance
+times the root mean square of its field, or times a floor of its unit: 1e-11 on the machine that wrote the file
+(`machine`), elsewhere 1e-9 of one ply and 1e-4 where bodies touch or a search ends at a tolerance of its own.
+What measures the way to a solution (residuals, iterations) is left out; a coupon is relaxed to 1e-10 in two
+steps, of which none is unloaded.
 """
 
 import argparse

@@ -28,6 +28,7 @@ TYPES = {
     "impact_point": PAIR,
     "ply": "list[Mapping[str, Any]] | tuple[Mapping[str, Any], ...]",
     "strength": "Mapping[str, Quantity] | None",
+    "parts": "Mapping[str, Mapping[str, Quantity]] | None",
     "grading": "list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None",
     "snapshot_interval": "Quantity | None",
     "projectile": "Mapping[str, Quantity] | str | None",
@@ -40,6 +41,7 @@ OF_TABLES = {
     "weaving_damage": "shares of modulus and strength that are left after weaving",
     "strength": "yarns that differ in strength",
     "ply": "plies one by one, in place of `plies`",
+    "parts": "parts of each ply that installed packages add, by name",
 }
 
 

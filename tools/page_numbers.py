@@ -1,9 +1,6 @@
-"""Numbers on pages of docs that were written by hand, by page and kind.
+"""Numbers on pages of docs that were written by hand, by page and kind; and the words of README and docs.
 
     python tools/page_numbers.py [--list PAGE] [--write]
-
-Left out: what stands between marks (tools/pages.py, tools/page_values.py), code, formulas, links, citations, names
-(S-720, LAW58), numbers of figures, sections and equations, versions, years, and list numbers. What is left is
 
     table, prose   results: nothing says when they are old
     test           its sentence, or the heading of its column, names a test, a measurement or another source
@@ -11,9 +8,8 @@ Left out: what stands between marks (tools/pages.py, tools/page_values.py), code
     count          a small whole number in prose
     label          in the heading or the first cell of a table's row
 
-tests/test_pages.py compares the counts of results with docs/numbers.csv, which --write makes of the pages as they are:
-a page may only get fewer. It also holds the words of README and docs, pages that are made with the site alone left out,
-below `MOST_WORDS`. Comments are not counted, since readers do not see them.
+tests/test_pages.py compares the counts of results with docs/numbers.csv, which --write makes of the pages as
+they are: a page may only get fewer. It holds the words below `MOST_WORDS`. Comments are not counted.
 """
 
 from __future__ import annotations

@@ -1,28 +1,15 @@
 """Numbers and rows of tables on pages, filled from the data of studies and from the code; `pages.py` writes them.
 
-A mark is a comment, since a forge shows directives and roles as text. A number:
+A mark is a comment, since a forge shows directives and roles as text: a number (`value`), or rows of a
+table (`rows`), under a heading that stays as it is written.
 
     <!-- = panel-plies[panel=203 mm; plies=2] V50 [m/s] : .0f -->206<!-- / -->
-
-is the value of a column in the row of a file of docs/reports/data in which other columns have these values; one with
-a * begins and ends as is given about it, 240..248 are the numbers between two. What stands in place of the column:
-
-    first column over second column             the ratio of two
-    first column over [plies=8] second column   the second in another row
-    range [m/s]#2                               the second part of a value with solidi, 107.7 / 167.6
-
-`least`, `most`, `mean` or `error` (of the mean) before the file are over several rows, `count` is their number. A
-format that ends with % shows how far a ratio is above 1, in per cent; `s` takes a text. `code PLACE, KEY : FORMAT` is a
-number of the code, one of `CODE`. Rows of a table, under a heading that stays as it is written:
 
     <!-- rows panel-plies[shots=10] | {panel}, {plies} | {V50 [m/s]:.0f} -->
     | panel, plies | V50 [m/s] |
     | --- | ---: |
     | 203 mm, 2 | 206 |
     <!-- / -->
-
-With `by COLUMN; COLUMN` behind the file one row of the table is made of all rows that are alike in these columns, and a
-cell says which of them it means: `{[plies=2] V50 [m/s]:.0f}`.
 """
 
 from __future__ import annotations
@@ -98,6 +85,17 @@ def filled(text: str) -> str:
 def value(asked: str) -> str:
     """Return the text that a mark asks for.
 
+    What stands in place of a column, in the row in which other columns have the values in brackets:
+
+        first column over second column             the ratio of two
+        first column over [plies=8] second column   the second in another row
+        range [m/s]#2                               the second part of 107.7 / 167.6
+
+    In brackets one with a * begins and ends as is given about it, 240..248 are the numbers between
+    two. `least`, `most`, `mean` or `error` (of the mean) before the file are over several rows,
+    `count` is their number. A format that ends with % shows how far a ratio is above 1, in per
+    cent; `s` takes a text. `code PLACE, KEY : FORMAT` is a number of the code, one of `CODE`.
+
     Raises
     ------
     ValueError : no file, column or row of this name, or several rows where one is meant
@@ -172,7 +170,11 @@ def shown(value: str | float, way: str) -> str:
 
 
 def rows(mark: re.Match[str]) -> str:
-    """Write the rows of a table."""
+    """Write the rows of a table.
+
+    With `by COLUMN; COLUMN` behind the file one row of the table is made of all rows that are alike
+    in these columns; a cell says which of them it means: `{[plies=2] V50 [m/s]:.0f}`.
+    """
     groups: dict[object, list[dict[str, str]]] = {}
     columns = [name.strip() for name in (mark["by"] or "").split(";") if name.strip()]
     for number, row in enumerate(chosen_rows(mark["file"], mark["where"] or "")):

@@ -1,20 +1,13 @@
-"""Charts of the reports that a reader of the repository sees: cost against error, models, and maps of stability.
+"""Charts of the reports that a reader of the repository sees, each drawn from a CSV in docs/reports/data to a PNG
+in docs/figures: `python tools/figures.py --only reports`. The file says of which content it was made
+(`digest_of`), which a test compares with the CSV.
 
-Each is drawn from a CSV in docs/reports/data to a PNG in docs/figures: `python tools/figures.py --only reports`. The
-file says of which content it was made (`digest_of`), which a test compares with the CSV.
-
-Cost against error. Every method of a study is a point; the methods that none beats in cost and in the error of an
-axis are the front, numbered and named beside the chart. The default is marked, and the error of the reference, which
-an error below it cannot be told from, is a line.
-
-Models. Each model of one panel is a row: its CPU time for one crossover and 1 us, beside that of the thesis's model of
-the kind.
-
-Scenes. Each scene of models-of-scenes is a row, each of its models a mark at what it leaves off the richest, with its
-CPU time over that of the richest.
-
-Maps. Every run of a study with a [map] is a mark over two parameters of the method. Its colour and its shape say
-whether the run was stable, wrong without a message, or ended with one. An open mark is flagged by a quality check.
+Cost against error: every method of a study is a point; those that none beats in cost and error are the front.
+The default is marked; the error of the reference, below which none can be told, is a line.
+Models: a row a model of one panel, its CPU time for one crossover and 1 us beside that of the thesis's model.
+Scenes: a row a scene, a mark a model at what it leaves off the richest, with its CPU time over the richest's.
+Maps: a mark a run over two parameters; colour and shape say whether it was stable, wrong without a message,
+or ended with one. An open mark is flagged by a quality check.
 """
 
 from __future__ import annotations

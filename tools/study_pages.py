@@ -5,13 +5,10 @@
     :where: velocity = 100; outcome = stopped
     ```
 
-    ```{study-figure} edges
-    ```
-
-A table has some columns of the rows that have these values, "a | b" standing for either. It shows at most twelve rows;
-its caption says of how many, and how and at which commit the file was made. A figure is what [picture] of
-validation/studies/NAME.toml says: `x`, `y` (one column or several) and `by`, the columns whose values tell lines apart.
-Where each has a single point, the Pareto-optimal ones are named.
+A table has some columns of the rows that have these values, "a | b" standing for either, twelve at most; its
+caption says of how many, and how and at which commit the file was made. {study-figure} edges draws what
+[picture] of validation/studies/NAME.toml says: `x`, `y` (one column or several) and `by`, the columns whose
+values tell lines apart. Where each has a single point, the Pareto-optimal ones are named.
 """
 
 from __future__ import annotations

@@ -1,17 +1,14 @@
 """Fire random shots at plies of resolved yarns, and say what they keep: energy and crossings.
 
     python tools/yarn_shots.py --seed 1 --shots 200 --cpu 600
-
-Six fabrics of the catalogue, half of the time with other stiffness, strength and crimp; noses of 4
-to 13 mm, struck anywhere in a repeat of the weave; 40 to 400 m/s; one ply, or up to `--plies`; clamped, two
-sides free, or yarns that slip in their clamps; friction of 0.05 to 0.4 between yarns and to 0.2 on the nose.
-Every shot is a point of a scrambled Sobol sequence, which follows from the seed and its number. Ends with
-code 1 if a guard ended a shot, its energy error is above LIMIT or a crossing was lost.
-
     python tools/yarn_shots.py --seed 2 --shots 60 --small --plies 3
 
-fires at panels of 20 to 40 crossovers, half of them resolved to their edges, and at packs of 18 to 24: a second
-or less a ply.
+Shots are points of a scrambled Sobol sequence, from the seed and their number: six fabrics of the
+catalogue, half of the time with other stiffness, strength and crimp; noses of 4 to 13 mm anywhere in a
+repeat of the weave; 40 to 400 m/s; clamped, two sides free, or yarns that slip in their clamps; frictions
+drawn. --small fires at panels of 20 to 40 crossovers, half of them resolved to their edges, and at packs of
+18 to 24: a second or less a ply. Ends with code 1 if a guard ended a shot, its energy error is above LIMIT
+or a crossing was lost.
 """
 
 from __future__ import annotations

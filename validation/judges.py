@@ -1,17 +1,14 @@
 """What a study says of its cases beside their quantities: maps of stability, and charts of cost against error.
 
-A map, [map] of a study: x and y are the keys of `each` that span it. A point is "failed" where a check stopped the run,
-"stable" where the expression `stable` holds of its result, and "wrong" otherwise. From `default` (x, y) outwards, to
-the `sides` "above" or "below", the edge of the stable region is found by bisection of the ratio between the last stable
-value of the axis and the first that is not; in every row y with `every_row`. The margin is the ratio of edge and
-default, above 1.
+A map, [map]: x and y are the keys of `each` that span it. A point is "failed" where a check stopped the run, "stable"
+where the expression `stable` holds, else "wrong". From `default` outwards, to the `sides` "above" or "below", the
+edge is found by bisection; in every row y with `every_row`. The margin is edge over default, above 1.
 
-A chart, [cost]: the reference of the quantities of each of `groups` is the limit to which the runs of `meshes`, pairs
-(element size, changes of [base]), extrapolate, or `exact`, the name of a case. It is known to the scatter of the
-extrapolation, a quarter of its step beyond the finest mesh, and what the changes of `finer` move the first mesh by. The
-error of a method is the largest of its group. Methods are Pareto-optimal which no cheaper one matches; an error within
-what is known of the reference counts as that, and a dearer method has to take a tenth off. Costs are the CPU time of
-one thread, after compilation (`runner.solve`).
+A chart, [cost]: the reference of each of `groups` is what the runs of `meshes` (element size, changes of [base])
+extrapolate to, or `exact`, a case; it is known to the scatter of that, a quarter of its step beyond the finest mesh,
+and what the changes of `finer` move the first mesh by. The error of a method is the largest of its group.
+Pareto-optimal are those that no cheaper one matches; an error within what is known of the reference counts as that,
+and a dearer method has to take a tenth off. Costs are the CPU time of one thread, after compilation (`runner.solve`).
 """
 
 from __future__ import annotations

@@ -1,29 +1,5 @@
-"""Studies as data: a file of validation/studies says what is varied and what is read off, `validation.runner` runs it.
-
-A file NAME.toml has
-
-    question    what the study answers
-    run         function of validation/cases that computes a case, as "module.function"
-    like        another study, whose entries are those that this file does not have
-    [base]      keywords of the function; those of a shot are the keys of the input file (`weavecell.setup`). A nose to
-                which they give no friction has none, but for `nose_friction = "assumed"` (`validation.cases.noses`)
-    [each]      what is varied, in all combinations: lists of values, tables {label: changes of the keywords}, or lists
-                of lists under a heading of several keys, "fabric, plies, velocity"
-    [[case]]    groups of cases with a `name`, changes `set`, `each` and `quantities` of their own. {key} in a text
-                stands for a value of `each`, which is then no keyword itself
-    labels      keys of `each` that are no keywords
-    [columns]   headings of keys of `each`
-    [quantities]  columns: expressions of what the function returns, of `ref` (the same of the reference), of `row` (the
-                values of `each`) and of NAMES
-    [reference] values of `each`, or changes in their place, of the run that a case is compared with
-    [fits]      further rows: {column: expression} of `of(column, {key: value})`, the values of a column
-    [cost], [map]   how the cases are judged (`validation.judges`)
-    expect      expressions of `of` that must hold
-    [golden]    cheap rows by which `validation.stale` sees whether the CSV is still true (`validation.golden`)
-    [picture]   columns of the figure in the documentation: x, y, by; and whether they are logarithmic: log = "xy"
-    [quick]     keywords changed for a short look, and `most`, the number of cases
-
-A case that ends with an error has it in the column "problem".
+"""Studies as data: a file of validation/studies says what is varied and what is read off, `validation.runner` runs it
+(entries of a file: `Study`). A case that ends with an error has it in the column "problem".
 """
 
 from __future__ import annotations
@@ -78,7 +54,29 @@ class Row:
 
 @dataclass(frozen=True)
 class Study:
-    """A study by its name and the content of its file."""
+    """A study by its name and the content of its file.
+
+    question    what the study answers
+    run         function of validation/cases that computes a case, as "module.function"
+    like        another study, whose entries are those that this file does not have
+    [base]      keywords of the function; those of a shot are the keys of the input file (`weavecell.setup`). A nose
+                to which they give no friction has none, but for `nose_friction = "assumed"` (`validation.cases.noses`)
+    [each]      what is varied, in all combinations: lists of values, tables {label: changes of the keywords}, or
+                lists of lists under a heading of several keys, "fabric, plies, velocity"
+    [[case]]    groups of cases with a `name`, changes `set`, `each` and `quantities` of their own. {key} in a text
+                stands for a value of `each`, which is then no keyword itself
+    labels      keys of `each` that are no keywords
+    [columns]   headings of keys of `each`
+    [quantities]  columns: expressions of what the function returns, of `ref` (the same of the reference), of `row`
+                (the values of `each`) and of NAMES
+    [reference] values of `each`, or changes in their place, of the run that a case is compared with
+    [fits]      further rows: {column: expression} of `of(column, {key: value})`, the values of a column
+    [cost], [map]   how the cases are judged (`validation.judges`)
+    expect      expressions of `of` that must hold
+    [golden]    cheap rows by which `validation.stale` sees whether the CSV is still true (`validation.golden`)
+    [picture]   columns of the figure in the documentation: x, y, by; and whether they are logarithmic: log = "xy"
+    [quick]     keywords changed for a short look, and `most`, the number of cases
+    """
 
     name: str
     content: Record

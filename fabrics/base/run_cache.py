@@ -1,17 +1,13 @@
 """Results of finished runs in a folder, each under a key of what was computed and of the code that
-computed it.
+computed it: one rule for every study that can be resumed.
 
-One rule for every study that can be resumed. The key is a digest of
-- the inputs: numbers, texts, arrays, dataclasses and what is made of them (`inputs_digest`);
-- the code: the version of weavecell, and all files that compute (`files_of`).
-A result of other code is thus never taken for one of this: it is computed again. A file that holds
-the state of a single unfinished run, which cannot be computed again on its own, carries both
-digests instead (`stamp`), and is refused with a message where either differs (`check_stamp`).
+The key is a digest of the inputs (`inputs_digest`), the version and all files that compute
+(`files_of`): a result of other code is computed again. A file with the state of a single unfinished
+run carries both digests (`stamp`) and is refused where either differs (`check_stamp`).
 
-The results are plain files, written whole or not at all, since a folder of results is what the user
-keeps, copies and resumes from, and what several processes write to. joblib.Memory keys by the
-source of the function alone: after a change in a module that the function imports it hands out the
-old result. diskcache has no rule for keys, and keeps a data base, which hides the results.
+Results are plain files, written whole or not at all: a folder of results is what users keep and
+copy. joblib.Memory keys by the source of one function alone, so that it hands out old results after
+a change in what that imports; diskcache hides results in a data base.
 """
 
 from __future__ import annotations

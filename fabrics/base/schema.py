@@ -1,19 +1,14 @@
-"""Tables of input and data files by pydantic: quantities with units as text, and the one line of
-each error.
+"""Tables of input and data files by pydantic: quantities with units as text, and the one line of each
+error: file, key, value as written, what is allowed.
 
-A field of a table is all that is said of its key: type, unit, limits, default, what it means
-(`title`) and what is allowed (`description`). Marks say how Python gives it (`AsKeywords`,
-`AsDict`, `FileOnly`, `MayBeObject`) and what it is in the standard shot (`StandardShot`): they stand
-beside the field's type, `Annotated[string(...), FileOnly()]`. So do the models (`ReadBy`) and the
-functions (`Unread`) that a key means nothing to: one that is set is refused, or by definition
-passed over; none that is set changes nothing. What a deck has no place for (`NoPlace`) is told.
-What keys mean to each other is said by validators of the table that holds them. For each value that
-is wrong the user gets one line: the file, the key, the value as written, and what is allowed. The
-docstring of a table is a sentence about it and, after an empty line, an example. The page of keys,
-the JSON Schemas and what Python takes are made from them.
+A field of a table says all of its key: type, unit, limits, default, meaning (`title`) and what is
+allowed (`description`); marks beside its type, `Annotated[string(...), FileOnly()]`, say how Python
+gives it and which models and functions read it. What keys mean to each other is said by validators
+of their table. A table's docstring is a sentence and, after an empty line, an example. The page of
+keys, the JSON Schemas and what Python takes are made from them.
 
-The Python interface validates with `PYTHON` as the context: plain numbers are then quantities in SI
-units, and objects may stand where a file names one.
+With `PYTHON` as the context plain numbers are quantities in SI units, and objects may stand where a
+file names one.
 """
 
 from __future__ import annotations

@@ -19,9 +19,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from fabrics.base import plugs
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, unknown_name
 from fabrics.base.files import read_data
+from fabrics.base.schema import read_toml
 from fabrics.base.units import si
 
 Constants = Mapping[str, Mapping[str, Any]]  # {constant: value, range, source and status}
@@ -46,16 +48,33 @@ class SourcedTables:
     file : TOML file of the package
     kind : what a table is of, such as "metal"
     units : {constant: SI unit}; "" of a number without one, which may be infinite
+    group : of the entry points by which installed packages add tables (`fabrics.base.plugs`), a
+        file each as `read_constants` reads it; "" for none
     """
 
     file: Path
     kind: str
     units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    group: str = ""
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """The names in the file."""
+        return tuple(read_data(self.file)[self.kind])
 
     @cached_property
     def content(self) -> dict[str, Any]:
-        """All of the file."""
-        return read_data(self.file)
+        """All of the file, and what installed packages add.
+
+        Raises
+        ------
+        InputError : as `plugs.data_files` and `read_constants`
+        """
+        found = read_data(self.file)
+        if self.group:
+            for name, path in plugs.data_files(self.group, self.own).items():
+                found[self.kind][name] = read_constants(path, self.kind)
+        return found
 
     def list_names(self) -> tuple[str, ...]:
         """List the names, in the order of the file."""
@@ -107,6 +126,23 @@ class SourcedTables:
         unit = self.units[constant]
         low, high = (number_of(text, unit, self.file, constant) for text in ends)
         return low, high
+
+
+def read_constants(path: FilePath, kind: str) -> dict[str, Any]:
+    """Read a file of the constants of one thing as a user writes it, each a value or a table of its
+    own; what has no source has the name of the file as its source and the status "user".
+
+    Raises
+    ------
+    InputError : as `read_toml`
+    """
+    sole = {"source": Path(path).name, "status": "user"}
+    found: dict[str, Any] = {}
+    for key, value in read_toml(path, what=kind)[1].items():
+        if not isinstance(value, dict):
+            value = {"value": value}
+        found[key] = sole | value
+    return found
 
 
 def in_si(constants: Constants, units: Mapping[str, str], file: FilePath) -> dict[str, float]:

@@ -15,6 +15,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from fabrics import assumed, data_sheet, plausible, ply_laws
+from fabrics.base import plugs
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, nearest_name
 from fabrics.base.files import parse_toml
@@ -38,7 +39,7 @@ from fabrics.trellis import TrellisShear
 from fabrics.weave import Weave
 from fabrics.yarn import CLOSEST_PACKING, Yarn
 
-__all__ = ["STATUSES", "list_names", "load", "read"]
+__all__ = ["STATUSES", "list_files", "list_names", "load", "read"]
 
 _FOLDER = Path(__file__).parent
 # fabrics that are not built again while their files stay as they are
@@ -46,9 +47,21 @@ MOST_KEPT = 32
 
 
 @cache
+def list_files() -> dict[str, Path]:
+    """List the files of the catalogue, {name of its fabric: path}, sorted; and of those that installed
+    packages add (`fabrics.base.plugs`), which are read as a user's files are.
+
+    Raises
+    ------
+    InputError : as `plugs.data_files`
+    """
+    own = {path.stem: path for path in _FOLDER.glob("*.toml")}
+    return dict(sorted((own | plugs.data_files("weavecell.fabrics", own)).items()))
+
+
 def list_names() -> tuple[str, ...]:
     """List the names of the fabrics in the catalogue, sorted."""
-    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+    return tuple(list_files())
 
 
 def load(name_or_path: FilePath) -> Fabric:
@@ -64,8 +77,8 @@ def load(name_or_path: FilePath) -> Fabric:
         and what is allowed
     """
     text = str(name_or_path)
-    if text in list_names():
-        return read(_FOLDER / f"{text}.toml")
+    if text in list_files():
+        return read(list_files()[text])
     if not text.endswith(".toml"):
         allowed = f"one of {', '.join(list_names())}, or the path of a .toml file"
         raise unknown(text, allowed, key="fabric")

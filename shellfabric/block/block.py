@@ -1,21 +1,14 @@
-"""The backing block: an elastic-plastic solid with erosion (thesis section 6.5, Table 6-1).
+"""The backing block: an elastic-plastic solid with erosion (thesis section 6.5, Table 6-1;
+docs/theory-panel.md, "Backing block").
 
-A quarter of it, or the whole, x and y from the axis of the shot, its face at z = 0 or at
-`standoff`, z into it, along the flight. The elements are smallest under the shot and grow outwards
-by equal factors. The thesis gives size, modulus, density, yield stress and erosion strain, but
-neither Poisson's ratio, hardening, mesh nor outer faces (`materials.toml`). The outer faces are
-fixed, or absorb waves (dashpots rho c A, Lysmer and Kuhlemeyer 1969).
-
-A solver calls, in each step:
+A quarter of it, or the whole, x and y from the axis of the shot, its face at z = 0 or at `standoff`,
+z into it, along the flight. The thesis gives size, modulus, density, yield stress and erosion strain,
+but neither Poisson's ratio, hardening, mesh nor outer faces (`materials.toml`). In each step:
 
     block = Backing().block(dt)
     forces = block.press(places, velocities, stiffness)      # forces on points of the last ply [N]
     push = block.strike(position, speed)                     # force on a rigid projectile [N]
     block.advance()
-
-Bricks that are flattened bear shorter steps. Where they need them the block makes several of its
-own in each step. The contact forces act as one impulse at its beginning (Verlet-I / r-RESPA), which
-makes no energy; held over the step they would.
 """
 
 from __future__ import annotations

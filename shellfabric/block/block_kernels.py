@@ -1,25 +1,10 @@
-"""A block of eight-node bricks with one point, elastic-plastic with erosion, in explicit dynamics.
-
-Elasticity is Hencky's, so that what is stored is a function of the state at any strain: with F the
-mean deformation of a brick (`hex8.py`), C the inverse of the plastic metric, and e_i the principal
-logarithmic strains,
-
-    b = F C F^T = sum exp(2 e_i) n_i n_i^T,     tau_i = K tr e + 2 G dev e_i,     W = K/2 (tr e)^2 + G |dev e|^2
-    P = tau F^-T,     q = (3/2)^(1/2) |dev tau| <= (sigma_y + H alpha) (1 + rate of alpha / reference)^m
-
-(J2, radial return, associative; e.g. Simo and Hughes, Computational Inelasticity, chapters 2 and
-9; the return is in `flow_kernels`). m = 0 is without rate. The return is exact along the trial; the
-rate is that of the step, implicit and so without a bound on it. A brick whose effective plastic
-strain alpha reaches the erosion strain is taken out; its mass stays on its nodes, what it had stored
-goes to a term of its own. Hourglass control is that of `control_kernels`. A linear bulk viscosity,
-xi rho c L d(ln J)/dt, damps the highest mode. L is the least height of the brick as it is: with the
-one at rest, flattened bricks would bear far shorter steps than their waves allow.
-
-Plastic and viscous work of a step are those of the mean of the stresses before and after it, which
-is what its forces do: a brick that begins to flow in it was below its strength before.
+"""A block of eight-node bricks with one point, elastic-plastic with erosion, in explicit dynamics
+(equations: docs/theory-panel.md, "Backing block"; the return is in `flow_kernels`, hourglass control
+in `control_kernels`).
 
 Forces are written for each brick and gathered at each node in a fixed order: threads change no bit
-of the result.
+of the result. The linear bulk viscosity takes the least height of a brick as it is: with the one at
+rest, flattened bricks would bear far shorter steps than their waves allow.
 """
 
 import math
@@ -126,6 +111,17 @@ def from_principal(values, n, b):
 def hencky(F, C, alpha, law, viscous, dt, P):
     """Compute the first Piola-Kirchhoff stress, with plastic flow where the trial is outside the
     yield surface.
+
+    With F the mean deformation (`hex8.py`), e_i the principal logarithmic strains and Hencky's
+    energy,
+
+        b = F C F^T = sum exp(2 e_i) n_i n_i^T,   tau_i = K tr e + 2 G dev e_i,   P = tau F^-T
+        W = K/2 (tr e)^2 + G |dev e|^2
+
+    (Simo and Hughes, Computational Inelasticity, chapters 2 and 9). The return is exact along the
+    trial; the rate is that of the step, implicit and so without a bound on it. Plastic and viscous
+    work are those of the mean of the stresses before and after a step, which is what its forces do:
+    a brick that begins to flow in it was below its strength before.
 
     Parameters
     ----------

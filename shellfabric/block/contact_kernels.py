@@ -1,26 +1,10 @@
-"""Contact of a block (`block_kernels`) with a projectile, and with points such as those of a
-ply.
+"""Contact of a block (`block_kernels`) with a projectile, and with points such as those of a ply.
 
 Both are penalties with damping, never less than nothing together; what one side gets the other
 gives. Damping is kept apart: what it takes is its force times velocities in the middle of the step,
-which are not known yet.
-
-    shot      signed distance (`sdf_kernels`) of the block's nodes that still have a brick
-    points    each against the facet of the block's face below it, bilinear over its four nodes: the top of the first
-              brick of its column below all that are gone, found from the column it was over before;
-              on it, or on its continuation, against the place that is nearest, and where there is
-              none, as high above the wall of a crater, not at all
-
-What pushes a point acts on the block at its foot, along the line between them: a face that turns
-under the thickness of the fabric has to be turned. With the forces straight below the point
-instead, energy comes from nowhere.
-
-The face of a block that erodes has steps. A point that comes over a higher column is all at once
-inside the block by as much as a brick, and a spring would throw it out at thousands of m/s. So what
-a point has gone in by counts from where it came: it grows by motion alone, and what came by a step
-is put into an offset, which shrinks again as the point comes out. Where the face drops away under a
-point, or a facet turns away, what its spring held is lost: the audit counts the work of the
-contacts, and what of it no spring stores is damped (`block.Block.energies`).
+which are not known yet. A shot is met by signed distance (`sdf_kernels`) at nodes that still have a
+brick, a point by the facet below it (`find_contacts`), along the line to its foot: with forces
+straight below the point instead, energy comes from nowhere.
 """
 
 import math
@@ -357,7 +341,20 @@ def to_nodes(forces, weights, nj, found):
 @kernel()
 def find_contacts(ends, block, points, thickness, dt):
     """Find the contacts of the points from the first to before the last of `ends` with the face of
-    the block, into points.feet, depth, damping_force, normal and weights."""
+    the block, into points.feet, depth, damping_force, normal and weights.
+
+    A facet of the block's face is bilinear over its four nodes: the top of the first brick of its
+    column below all that are gone, found from the column that the point was over before. A point
+    counts against the facet, its continuation, or the nearest place of it; high above the wall of a
+    crater not at all.
+
+    The face of a block that erodes has steps: a point that comes over a higher column is all at
+    once inside by as much as a brick, and a spring would throw it out at thousands of m/s. So what
+    a point has gone in by grows by motion alone, and what came by a step is put into an offset,
+    which shrinks as the point comes out. Where the face drops away or turns, what the spring held
+    is lost: the audit counts the work of the contacts, and what no spring stores is damped
+    (`block.Block.energies`).
+    """
     place = np.empty(2)
     normal = np.empty(3)
     w = np.empty(4)

@@ -1,24 +1,14 @@
 """Coupling of the backing block to the last ply and to the projectile.
 
-After every step of the fabric the block takes its contacts with fabric and projectile at the same
-instant and then its own step, so that it is one step ahead and its energies are those of the
-fabric's instant. What the contacts give to fabric and projectile waits in state.f_block_cloth and
-state.f_block_nose for the fabric's next step (`loop.ply_kernels.apply_backing_impulse`).
+After every step of the fabric the block takes its contacts at the same instant and then its own step,
+so that it is one step ahead; what the contacts give waits in state.f_block_cloth and f_block_nose for
+the fabric's next step (`loop.ply_kernels.apply_backing_impulse`).
 
-The fabric bears on the block at p x p points of each element, like on a projectile: x = sum N_i
-x_i, with the penalty and damping of the point's own mass. They keep half of the ply's thickness
-from the face. Points of eroded elements do not touch, nor those of fabric in the clamp; where
-single yarns have failed the rest bears whole. The block lies along the sides of the opening,
-whatever the angle of the last ply.
-
-**The block alone.** A dent goes on after the pack has left its floor, for ten times as long. From
-there the block moves by itself, in its own longer steps, and the pack stays as it is. The pack has
-left when the projectile has turned back, nothing touches the floor, which is the face at more than
-half of the depth, and the least distance of the ply from it has grown at ten samples in a row, to a
-twentieth of the depth at least. That a free ply still touches the rim, with a twentieth of the
-largest force so far at most, is then left out; the place of the ply is kept, to which the floor must
-not come back. A ply that is held keeps down the rim, and has left only if nothing touches the face
-anywhere. Behind 15 plies the dent came to 38.7 mm so, and with the pack to 38.5 mm.
+The fabric bears at p x p points of each element, half of the ply's thickness from the face, with the
+penalty and damping of the point's own mass. Points of eroded elements and of fabric in the clamp do
+not touch; where single yarns have failed the rest bears whole. The block lies along the sides of the
+opening, whatever the angle of the last ply. It goes on alone once the pack has left it
+(`BackingCoupling`).
 """
 
 from __future__ import annotations
@@ -232,6 +222,15 @@ def check(panel: Any) -> None:
 
 class BackingCoupling(Part):
     """The block of a run, coupled to its last ply: a part that steps in Python.
+
+    A dent goes on after the pack has left its floor, for ten times as long. From there the block
+    moves by itself, in its own longer steps, and the pack stays as it is. The pack has left when
+    the projectile has turned back, nothing touches the floor, which is the face at more than half
+    of the depth, and the least distance of the ply from it has grown at ten samples in a row, to a
+    twentieth of the depth at least. That a free ply still touches the rim, with a twentieth of the
+    largest force so far at most, is then left out; the floor must not come back to the ply. A ply
+    that is held keeps down the rim, and has left only if nothing touches the face anywhere. Behind
+    15 plies the dent came to 38.7 mm so, and with the pack to 38.5 mm.
 
     Parameters
     ----------

@@ -1,17 +1,12 @@
-"""The table of a cell by Newton's method on force and heights together, from the solution of the
-cell before.
+"""The table of a cell by Newton's method on force and heights together, from the solution of the cell
+before.
 
-`crossover_kernels` solves one cell by three nested iterations, each within a bracket, which cannot
-fail. Along a row of a table the solution changes little from cell to cell. Here the contact force F
-and the heights h_i of both yarns are unknowns beside each other,
-
-    F_i(h_i) = F,   h_1 + h_2 + d_1(F) + d_2(F) + g - h_01 - h_02 = 0   (thesis eq. 4-13)
-
-with the contact force F_i of a yarn at its height; the step of F is that of the second equation
-with h_i eliminated by the first. Where the steps do not become small, or leave the range, the
-nested iterations solve the cell; so do they where compression depends on the strain of the yarns.
-What depends on one stretch alone is computed once a row or
-column. Results agree with the nested iterations' but for rounding.
+`crossover_kernels` solves one cell by nested iterations within brackets, which cannot fail. Along a
+row of a table the solution changes little: here the contact force F and both heights h_i are unknowns
+beside each other, F_i(h_i) = F with the contact force F_i of a yarn at its height, and thesis eq.
+4-13, from which the step of F follows with h_i eliminated. Where steps do not become small or leave
+the range, or compression depends on the strain of the yarns, the nested iterations solve the cell.
+What depends on one stretch alone is computed once a row or column. Results agree but for rounding.
 """
 
 import math

@@ -1,17 +1,9 @@
 """The crossover as an object, and its table: tensions of the two yarns over a uniform grid of their
-stretches.
+stretches (docs/theory-cell.md, "Unit cell").
 
-Range of the table. Below Lambda_lo the free height of a yarn alone fills the cell, h_free >= h01 +
-h02 - g: contact is lost whatever the other yarn does, its tension is zero and the other's does not
-depend on it, so that looking up at Lambda_lo is exact. A yarn of the length S0 is never higher than
-S0 / 2, however narrow its cell. Where that does not fill the cell (yarns crimped by about 9 % and
-more, and one of them far higher than the other), a crossing yarn that is pulled straight stays in
-contact at every stretch. The table then ends where the crossing yarns would lie side by side as
-round solid rods, closer than which no fabric can be: 2 w Lambda = sqrt(4 A_s / pi). Below that
-stretch the energy is that at the table's edge, and the force conjugate to it zero. Above Lambda_hi
-the yarn has failed, since even alone it is past its strength; the forces of a yarn that is not
-allowed to fail go on from there linearly. The stretch 1 is a node: fabric at rest has the very
-forces of the cell at rest.
+The stretch 1 is a node: fabric at rest has the very forces of the cell at rest. Below the lowest
+stretch the lone yarn fills the cell and contact is lost, whatever the other does: looking up at the
+edge is exact. Above the highest the yarn has failed; a yarn that may not fail goes on linearly.
 """
 
 from __future__ import annotations
@@ -286,6 +278,13 @@ class CellModel:
 @dataclass(frozen=True)
 class CellTable:
     """Forces of a crossover on a uniform grid of stretches.
+
+    A yarn of the length S0 is never higher than S0 / 2, however narrow its cell. Where that does
+    not fill the cell (crimps of about 9 % and more, one yarn far higher than the other), a crossing
+    yarn that is pulled straight stays in contact at every stretch. The table then ends where the
+    crossing yarns would lie side by side as round solid rods, 2 w Lambda = sqrt(4 A_s / pi), closer
+    than which no fabric can be. Below that stretch the energy is that at the edge, and the force
+    conjugate to it zero.
 
     Parameters
     ----------

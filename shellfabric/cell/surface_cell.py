@@ -1,23 +1,12 @@
-"""A crossover's cell straight from a 3D response surface: no law of compression and no centreline
-in between.
+"""A crossover's cell straight from a 3D response surface: no law of compression and no centreline in
+between (docs/theory-cell.md, "Cell from a 3D response surface").
 
-A `fabrics.surface.ResponseSurface` has the forces T1, T2 at the ends of the yarns over a rectangle
-of end displacements d, from which the stretches are Lambda_i = 1 + d_i / w_i. Inside the rectangle
-they are interpolated monotonically along each direction (no overshoot where contact begins).
-Outside, with c the nearest place of the rectangle and A_i the tension of yarn i alone (erratum
-E-14),
+direct         the tables are the forces T1, T2 of `fabrics.surface.ResponseSurface` themselves
+variational    the forces are the gradient of the potential that is next to T1, T2 in the sense of
+               least squares; the rest of the surface is reported as a number
 
-    T_i(Lambda) = max(0, A_i(Lambda_i) + phi (T_i(c) - A_i(c_i)))
-
-which is continuous. Above the rectangle phi = 1: yarns stiffen as straight ones. Below it phi falls
-linearly to zero at the stretch at which contact is lost, where the free heights of the two yarns
-fill the cell.
-
-direct         the tables are T1, T2 themselves
-variational    the forces are the gradient of the potential W that is next to T1, T2 in the sense of least squares:
-               minimise  sum over i of (dW/d(2 w_i Lambda_i) - T_i)^2 / (T_i + T_0)^2,   W = 0 where both are slack,
-               T_0 a twentieth of the strength. The rest, the part of the surface that no potential
-               has, is reported as a number.
+Inside the surface's rectangle of stretches they are interpolated monotonically along each direction:
+no overshoot where contact begins.
 """
 
 from __future__ import annotations

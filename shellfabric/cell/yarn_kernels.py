@@ -1,5 +1,5 @@
 """One yarn of the crossover's cell: the length of its centreline, and its tension. All yarns have the
-half length w.
+half length w. A yarn that floats on is straight there (`floating`).
 
 Cosine, with k = pi h / 2 w:    S = (4 w / pi) E(-k^2)    (thesis eqs. 4-1, 4-3)
 Straight to the next crossing:  S = 2 sqrt(w^2 + h^2)     (Kawabata, Niwa and Kawai 1973)
@@ -7,11 +7,7 @@ Straight to the next crossing:  S = 2 sqrt(w^2 + h^2)     (Kawabata, Niwa and Ka
 Tension at the strain e = (S - S0) / S0:    EA e          (eq. 4-7)
 With a foot of the width s, the slack:      EA (e - s (1 - exp(-e / s)))
 
-A yarn that floats on is straight there. With the share f of its way over which it changes sides its
-length is f S + (1 - f) 2 w, in the mean over its crossings (`floating`).
-
-The curve with a foot begins without stiffness, as fibres that are not parallel yet, and goes over
-into the straight line EA (e - s).
+The curve with a foot begins without stiffness, as fibres that are not parallel yet.
 """
 
 import math

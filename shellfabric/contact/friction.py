@@ -1,34 +1,14 @@
-"""Coulomb friction between plies and on the nose: spring and damper of a point that sticks.
-
-Below the limit mu f a point sticks, by a spring k_t along the surface that remembers its elastic
-slip, with a damper c_t. Bodies that press on each other without slip are about as stiff along
-their surface as across it (Mindlin: 2 (1 - nu) / (2 - nu), .7 to 1 of it): per area
+"""Coulomb friction between plies and on the nose: a point that sticks has a spring k_t along the surface that remembers
+its elastic slip, and a damper c_t (docs/theory-panel.md, "Packs: contact law of plies"), per area
 
     k_t = STIFFNESS K,     c_t = DAMPING sqrt(k_t A)
 
-with the steepest K of the law of the plies and the density A of the lighter one. So neither depends
-on mesh or step, and at the pressure p the limit is reached at an elastic slip of mu p / k_t.
+with the steepest K of the law of the plies and the density A of the lighter one: neither depends on mesh or step. With
+the Courant factor C of the plies they stay stable, whatever their nodes share, if
 
-Stability. Let M, Q and D be the matrices of mass, stiffness and dampers, which lag by half a step.
-Twice the energy (v, M v) + (u_n, Q u_n+1) less dt (v, D v) / 2 never grows, and it is a norm if
+    C^2 + k_t dt^2 / A + 2 c_t dt / A < 1,       k_n dt^2 / A + 2 c_n dt / A < 2 (1 - C^2)         (1), (2)
 
-    4 M - 2 dt D - dt^2 Q > 0,
-
-whether these have modes in common or not. With the Courant factor C of the plies dt^2 Q is at most 4
-C^2 M of a ply in its plane. A point moves by the mean of its nodes, by weights of at least 0, whose
-square is at most the mean of squares: the springs of the points on both sides of a ply add at most 4
-k_t dt^2 / A and their dampers 8 c_t dt / A, so that
-
-    C^2 + k_t dt^2 / A + 2 c_t dt / A < 1                                                 (1)
-
-keeps the plies stable whatever their nodes share. Where the step has no room for that (a Courant
-factor near 1) both are cut down to it. A nose is on one side of the first ply alone and moves by
-itself: of its springs k_n and dampers c_n there are k_n dt^2 / A + 2 c_n dt / A in the sum that must
-be below 4 - 4 C^2, of which the plies behind use at most half. So
-
-    k_n dt^2 / A + 2 c_n dt / A < 2 (1 - C^2)                                             (2)
-
-leaves the ply its step, whether plies are behind it or none.
+(2) of a nose, which leaves the ply its step. Where the step has no room for that both are cut down to it.
 """
 
 from __future__ import annotations
@@ -70,6 +50,15 @@ def stick(
     cfl: float, mass: float, step: float, stiffness: float, room: float = 1.0
 ) -> tuple[float, float]:
     """Compute the spring k_t [N/m] and the damper c_t [N s/m] of a point in stick.
+
+    Let M, Q and D be the matrices of mass, stiffness and dampers, which lag by half a step. Twice
+    the energy (v, M v) + (u_n, Q u_n+1) less dt (v, D v) / 2 never grows, and it is a norm if 4 M -
+    2 dt D - dt^2 Q > 0, whether these have modes in common or not. dt^2 Q of a ply in its plane is
+    at most 4 C^2 M. A point moves by the mean of its nodes, whose square is at most the mean of
+    squares: the springs of the points on both sides of a ply add at most 4 k_t dt^2 / A and their
+    dampers 8 c_t dt / A, which gives (1). A nose is on one side of the first ply alone and moves by
+    itself: the sum must be below 4 - 4 C^2, of which the plies behind use at most half, which gives
+    (2).
 
     Parameters
     ----------

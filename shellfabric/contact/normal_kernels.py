@@ -1,18 +1,15 @@
-"""Normal force of a contact point: penalty and damping, which push and never pull.
-
-With the depth d, the opening velocity v_n, the stiffness k and the damping c of the point
+"""Normal force of a contact point: penalty and damping, which push and never pull. With the depth d, the opening
+velocity v_n, the stiffness k and the damping c of the point
 
     f = max(0, k d - c v_n),     U = k d^2 / 2                                    (1)
 
-Where force and damping are booked apart, the damping is at most what keeps their sum from pulling:
-max(-c v_n, -k d). Between plies the spring is no straight line (`plies.law_kernels`).
-
-The implicit force is that of the end of the step: with the velocity v at which the point will
-approach by all other forces than this
+Where both are booked apart, the damping is at most max(-c v_n, -k d). Between plies the spring is no straight
+line (`plies.law_kernels`). The implicit force is that of the end of the step: with the velocity v at which the
+point, of the mass m that it moves, will approach by all other forces than this
 
     f = max(0, k d + (c + k dt) v) / (1 + (c + k dt) dt / m)                      (2)
 
-m is the mass that the point moves. Derivation: docs/theory-panel.md, "Contact with the projectile".
+Derivation: docs/theory-panel.md, "Contact with the projectile".
 """
 
 from shellfabric.jit.compile import kernel

@@ -1,23 +1,9 @@
-"""Contact force of a crossover whose yarns resist bending, for the threshold of slip.
+"""Contact force of a crossover whose yarns resist bending, for the threshold of slip alone (equations:
+docs/theory-panel.md, "Yarn pull-out"). Tensions and forces on the nodes stay those of the flexible
+cell, whose yarns press back under tension only.
 
-The yarns of the cell are perfectly flexible: one without tension does not press back, and the
-contact force is zero however much the other is stretched. With the bending stiffness B a yarn keeps
-its crimp. The energy of a cosine of the height h against its height h0 at rest, over the length 2 w
-of the cell, is
-
-    U = K (h - h0)^2 / 2,     K = B pi^4 / (16 w^3)
-
-with which the balance of each yarn at the contact force F is
-
-    T dS/dh + K (h - h0) = q F
-
-with the q = pi / 4 of a cosine. Compression and closure are those of the cell, h1 + h2 + d1(F) +
-d2(F) + g = h01 + h02 (`cell.crossover_kernels`). Yarns of fibres that slide freely on one another
-have the lower bound of B, n E pi d^4 / 64; those of a solid section of the fibres' area the upper
-one, E A^2 / 4 pi (`membrane.grid`).
-
-The force enters the threshold of slip alone. Tensions and forces on the nodes stay those of the
-flexible cell.
+Yarns of fibres that slide freely on one another have the lower bound of the bending stiffness, those
+of a solid section of the fibres' area the upper one (`bending_bounds`).
 """
 
 from __future__ import annotations
@@ -105,6 +91,11 @@ def contact_forces(
 ) -> FloatArray:
     """Solve for the contact force (n1, n2) [N] of the cell at all pairs of stretches of warp and
     weft.
+
+    The energy of a cosine of the height h against its height h0 at rest over the length 2 w of the
+    cell is U = K (h - h0)^2 / 2, K = B pi^4 / (16 w^3), so that each yarn is in balance at T dS/dh
+    + K (h - h0) = q F with q = pi / 4. Compression and closure are those of the cell
+    (`cell.crossover_kernels`).
 
     Parameters
     ----------

@@ -1,19 +1,13 @@
-"""Dynamic relaxation with kinetic damping: all velocities are zeroed at each peak of the kinetic
-energy.
-
-The nodes move without damping under the out-of-balance forces f,
+"""Dynamic relaxation with kinetic damping: all velocities are zeroed at each peak of the kinetic energy,
+which leaves no damping coefficient to choose. Between,
 
     v <- v + f / m,    x <- x + v        (time step 1, fictitious masses m)
 
-and when the kinetic energy has passed a peak, they start again from there at rest.
-The masses are m = (1 + margin) b / 4 with b the largest value so far of the bounds on the row sums
-of the stiffness, which the body returns with its forces: the highest frequency is then below 2
-(Gershgorin), and every node moves as fast as its own stiffness lets it. The largest so far, because
-a yarn that has just gone slack has a node without stiffness, which a small force would throw across
-its neighbours. There is no damping coefficient to choose.
+m = (1 + margin) b / 4 with b the largest value so far of the bounds on the row sums of the stiffness:
+the highest frequency is below 2 (Gershgorin). The largest so far, because a yarn that has just gone
+slack has a node without stiffness, which a small force would throw across its neighbours.
 
-A state is settled at |f on free nodes| <= tolerance x max(|f on held nodes|, force_floor), in
-Euclidean norms.
+A state is settled at |f on free nodes| <= tolerance x max(|f on held nodes|, force_floor).
 """
 
 from __future__ import annotations

@@ -1,24 +1,10 @@
-"""Forces of a piece of fabric in its plane: yarn segments joined at crossovers, and the trellis
-between them.
+"""Forces of a piece of fabric in its plane: yarn segments joined at crossovers, and the trellis between
+them. A node is a crossover, an edge a segment of yarn, so that a piece of any outline is a list of
+warp edges, one of weft edges and one of the quadrilaterals between them. The energy is that of the
+membrane (docs/theory-panel.md, eq. (1)), and U(Lambda) of a lone yarn on edges that nothing crosses.
 
-A grid line of the fabric is a yarn, a node a crossover, an edge a segment of yarn, so that a piece
-of any outline is a list of warp edges, a list of weft edges and a list of the quadrilaterals
-between them. With Lambda_e the stretch of an edge, and <Lambda>_e the mean stretch of the edges of
-the other family that meet its two ends,
-
-    E = 1/2 sum_warp n_e W(Lambda_e, <Lambda>_e) + 1/2 sum_weft n_e W(<Lambda>_e, Lambda_e)
-        + sum_edges that nothing crosses n_e U(Lambda_e) + sum_quads V integral tau dgamma
-
-W is the tabulated potential of the crossover (see `cell`), U that of a yarn alone, n_e the
-crossovers that an edge stands for, tau the trellis stress (eq. 4-35 as a total, odd function,
-erratum E-11) and V the volume of the shell. A quadrilateral shears by gamma = pi / 2 - angle from a
-to b, where a and b are the means of its two warp and its two weft edges. In the plane that angle is
-known beyond a right angle of shear: yarns that pass one another are seen (gamma > pi / 2), and
-nothing is singular there.
-
-`forces` gives, beside the nodal forces, for each node a bound on the block row sum of the tangent
-stiffness, sum_b |K_ab|. Taken as masses these make the largest eigenvalue of M^-1 K at most 1
-(Gershgorin).
+`forces` gives, beside the nodal forces, a bound on the block row sum sum_b |K_ab| of each node. Taken
+as masses these make the largest eigenvalue of M^-1 K at most 1 (Gershgorin).
 """
 
 import math
@@ -176,7 +162,12 @@ def scatter_pulls(coupon, family, f, bound):
 @kernel()
 def shear_angle(x, quad, dX, dY):
     """Shear angle [rad] of a quadrilateral, in (-pi/2, 3 pi/2], and its mean warp and weft
-    vectors."""
+    vectors.
+
+    It is pi / 2 less the angle from the mean of the warp edges to that of the weft edges. In the
+    plane that angle is known beyond a right angle of shear: yarns that pass one another are seen,
+    and nothing is singular there.
+    """
     p = quad[0]
     q = quad[1]
     r = quad[2]

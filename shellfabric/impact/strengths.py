@@ -1,17 +1,12 @@
-"""Yarns that differ in strength.
-
-A yarn has one strength T_u all along, of a Weibull distribution of shape m and mean T,
+"""Yarns that differ in strength: each has one all along, of a Weibull distribution of shape m and mean T,
 
     F(T_u) = 1 - exp(-(Gamma(1 + 1/m) T_u / T)^m)
 
-where T is the strength that all yarns of its family have where none is drawn, at their length in the
-panel (`shellfabric.membrane.grid.PanelGrid.strengths`). Since the drawn value, that of
-the weakest place of the whole yarn, is held against its tension everywhere, the yarn is taken as
-weak where the projectile strikes: the limit is on the safe side. Every yarn of every ply is drawn:
-panels are whole.
-
-On a graded panel (`shellfabric.membrane.grading`) the yarns are drawn as on the uniform one; a line
-that stands for several yarns has the strength of the weakest of them.
+T is the strength of all yarns of its family where none is drawn, at their length in the panel
+(`shellfabric.membrane.grid.PanelGrid.strengths`). The drawn value is that of the weakest place, and is
+held against the tension everywhere: the limit is on the safe side. Every yarn of every ply is drawn, so
+that panels are whole. On a graded panel they are drawn as on the uniform one; a line that stands for
+several yarns has the strength of the weakest of them.
 """
 
 from __future__ import annotations

@@ -4,16 +4,8 @@
     @unit(...)      compiled by itself, once, and called through a pointer (`shellfabric.state.unit`)
     @entry(...)     called by Python
 
-A unit has the types that the tables of `shellfabric.state` give to the names of its parameters, so
-that they are known where its file is imported. Its callers hold no code of it, but a symbol: the
-address of a cell with the address of its machine code. At first the cell leads to Python, which
-loads the machine code from the cache, or compiles it, and puts its address there: a run compiles
-what it calls, and nothing has to be listed. A unit whose tables have `per_slot` numbers has two
-cells, of a uniform and of a graded panel.
-
 Kernels call each other across files: the cache of each file is emptied by a change in any file that
-it imports (`kernel_cache`). The decorators put them there, so that a program imports the kernels
-that it uses and no others.
+it imports (`kernel_cache`), and a program imports the kernels that it uses and no others.
 """
 
 from __future__ import annotations
@@ -169,6 +161,13 @@ def _type_on(grid, name, known):
 
 class Unit:
     """A kernel that is compiled by itself for the types of its parameters.
+
+    A unit has the types that the tables of `shellfabric.state` give to the names of its parameters,
+    known where its file is imported. Callers hold no code of it, but a symbol: the address of a
+    cell with the address of its machine code. At first the cell leads to Python, which loads the
+    code from the cache or compiles it, and puts its address there: a run compiles what it calls,
+    and nothing has to be listed. A unit whose tables have `per_slot` numbers has two cells, of a
+    uniform and of a graded panel.
 
     function, returns : the plain function, numba type of its result;  grids : types of its
         parameters on each grid

@@ -1,4 +1,6 @@
-"""8-wide SIMD type of doubles for numba, and its operations.
+"""8-wide SIMD type of doubles for numba, and its operations: a loop is written as it is to run, in one
+pass without checks for overlap, every element alike wherever it stands, so that results do not depend
+on how work is cut. LLVM gives up on vector instructions in loops with many arrays or a look-up.
 
     x = load(array, k)          array[k], ..., array[k + 7]
     store(array, k, 2.0 * x)
@@ -6,14 +8,8 @@
     gather_rows4(table, cell)   c0, ..., c3 with c_m = table[cell, m] of eight cells
     load_or_broadcast(x, k)     load(x, k) of an array, x itself of a float
 
-+, -, * and / take two of these or one and a float. So do the functions below that say so, and take
-floats alone too: a formula that is written with them is one for a point and for eight.
-
-numba leaves it to the compiler to turn a loop into vector instructions, which it gives up on where
-a loop has many arrays or a look-up in it. With this type a loop is written as it is to run: one
-pass with many inputs, no checks whether arrays overlap, and every element treated alike wherever it
-stands in a loop, so that results do not depend on how work is cut. Processors with narrower
-registers do the same in several instructions.
++, -, * and / take two of these or one and a float, as functions do that say so: a formula is one for a
+point and for eight. Processors with narrower registers do the same in several instructions.
 """
 
 import operator

@@ -4,15 +4,11 @@
         ni = integer("-", "elements along the warp")
         u = array("3 x slots", "m", "displacement of the nodes", kept=True)
 
-From such a class follow the numba type of its rows, storage for the arrays (`zeros`), what a
-checkpoint keeps (`kept`) and the page for developers. A kernel gets a row as one pointer to words
-of eight bytes: a number is a word, an array its address and its shape, a total its address. It loads the words of what
-it names; they do not change, so the loads are invariant. Who makes a row keeps the arrays alive,
-and no references are counted. A list of rows (`Rows`) is a list of such pointers: what is compiled
-does not depend on how many there are.
-
-What does not fit its line is refused where a row is made: a kernel would read memory that is not
-there.
+From such a class follow the numba type of its rows, storage (`zeros`), what a checkpoint keeps (`kept`)
+and the page for developers. A kernel gets a row as a pointer to words of eight bytes: a number, the
+address and shape of an array, the address of a total. Who makes a row keeps its arrays alive; a list of
+rows (`Rows`) is a list of such pointers. What does not fit its line is refused where a row is made: a
+kernel would read memory that is not there.
 """
 
 from __future__ import annotations

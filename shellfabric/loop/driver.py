@@ -1,17 +1,13 @@
-"""Explicit time integration: one driver for panel, pack of plies and coupon.
+"""Explicit time integration: one driver for panel, pack of plies and coupon. It makes the steps of a model
+up to the next sample, takes the sample, audits the energy, guards the run and calls the hooks, as
+hook(solver), until the run is over. A model derives from `ExplicitSolver`.
 
-The driver makes the steps of a model up to the next sample, takes the sample, audits the energy,
-guards the run and calls the hooks, as hook(solver), until the run is over. It knows no physics: a
-model derives from `ExplicitSolver`, and its kernels make the steps.
+Each energy is computed on its own; the energy error, the last, is their sum less that at the start.
 
-Energy audit. Each energy is computed on its own, not from the others. The energy error, the last of
-the energies, is their sum less the sum at the start.
-
-Threads. Some kernels make their steps with several threads, which wait for each other at a barrier
-(`jit.barrier`). The worker threads wait in their kernel while the main thread samples: waking takes
-them longer than a step. On a processor that other processes share, a thread that has lost its core
-holds up the others at every barrier; a run that was left to choose its number of threads then goes
-on with one. No result depends on the number of threads.
+Threads wait for each other at a barrier (`jit.barrier`), and in their kernel while the main thread
+samples: waking takes longer than a step. A thread that has lost its core to other processes holds up
+the others; a run that was left to choose its number of threads then goes on with one. No result
+depends on the number of threads.
 """
 
 from __future__ import annotations

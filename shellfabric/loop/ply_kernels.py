@@ -1,19 +1,11 @@
-"""What one ply does in an explicit step: central differences.
+"""What one ply does in an explicit step: central differences, velocities at half steps, everything else at
+whole ones (docs/theory-panel.md, "Time integration and time step"). The order of a step is that of
+`loop.advance`.
 
-Velocities stand at half steps, everything else at whole ones:
-
-    v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1), v(n+1/2)
-
-The nodes are moved by `membrane.motion_kernels`, the internal forces of the elements are those of
-`membrane.element_kernels`. The order of a step is that of `loop.advance`.
-
-The kernels that hand the state on allocate nothing and are compiled without numba's reference
-counts (_nrt=False): a pair of them for each array of the state would cost as much as a hundred
-elements in every block.
-
-LLVM optimises anew, with each kernel that is compiled, all that it calls. The parts of a step that
-are called from one place are therefore made part of their caller before anything is compiled
-(inline="always").
+The kernels that hand the state on allocate nothing and are compiled without numba's reference counts
+(_nrt=False): a pair of them for each array would cost as much as a hundred elements in every block.
+LLVM optimises anew, with each kernel, all that it calls: parts that are called from one place are made
+part of their caller before anything is compiled (inline="always").
 """
 
 from shellfabric.jit.compile import call_forces, call_phase, entry, kernel

@@ -1,16 +1,10 @@
-"""Edges of the panel: clamped, free, with a prescribed pull-in, or gripped, each of the four sides
-on its own.
+"""Edges of the panel, each of the four sides "clamped", "free", a PullIn or a Grip.
 
-A side is "clamped", "free", a PullIn or a Grip. Warp yarns end at the two warp sides (lowest and
-highest x), weft yarns at the two weft sides. An edge is given as one side for all four, or as
-(warp, weft), each one side for both ends or a pair (lowest, highest). Nodes of a slipping side move
-along the yarns that end there and not otherwise; where two sides meet that are not free, the corner
-is held.
-
-Fabric that slips out of the clamp is not added to the panel: as in the thesis, the edge's nodes
-move in.
-
-It imports no solver: an input file is checked without one.
+Warp yarns end at the two warp sides (lowest and highest x), weft yarns at the two weft sides. An edge is
+one side for all four, or (warp, weft), each one side for both ends or a pair (lowest, highest). Nodes of
+a slipping side move along the yarns that end there and not otherwise; where two sides meet that are not
+free, the corner is held. Fabric that slips out of the clamp is not added: as in the thesis, the edge's
+nodes move in. It imports no solver: an input file is checked without one.
 """
 
 from __future__ import annotations

@@ -1,19 +1,12 @@
-"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by
-friction.
+"""Slipping edges of the panel: nodes with prescribed slip, and yarn ends that a clamp holds by friction
+(docs/theory-panel.md, "Boundary").
 
-Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for
-the next; being without inverse mass it takes no other. f is the force on it along the yarn, v its
-velocity. The force is that of the fabric and of all that touches it, nose, block and other plies:
-these book their work on it, so it has to take their impulse.
+Such a node moves along its yarn alone, by the velocity that is set here at the end of a step for the
+next; being without inverse mass it takes no other. The force on it is that of the fabric and of all that
+touches it, nose, block and other plies: these book their work on it, so it has to take their impulse.
 
-    prescribed  u = pull-in x (t - start) / (end - start), from 0 to the whole of it
-    gripped     Coulomb's law without regularisation: the clamp takes of m v + dt f what it can, dt F at most, and the
-                node keeps the rest. So it is at rest unless f exceeds the grip F, and F resists it
-                while it slips
-
-The energy audit gets the work of these forces on prescribed nodes, that on the grips, and the
-kinetic energy of gripped nodes, all in the form in which central differences balance them: forces at
-whole steps over the motion between.
+The energy audit gets the work on prescribed nodes, that on the grips, and the kinetic energy of gripped
+nodes, as central differences balance them: forces at whole steps over the motion between.
 """
 
 from shellfabric.jit.compile import kernel

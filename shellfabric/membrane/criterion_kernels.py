@@ -1,19 +1,13 @@
-"""The failure criterion of a yarn segment, for the membrane's edges and for resolved yarns.
-
-The tension F that is held against the strength follows the mean tension M of the segments beside
-it with a low-pass (`failure_kernels` says why),
-
-    F' = F + factor (M - F),   not below half of the strength.
-
-The load is x = F / (EA e_s), over the strength at rest. A constant strength fails at x = 1. Where
-the strength is f(r) times as high at the strain rate r (`families.strain_rate`), damage adds up:
+"""The failure criterion of a yarn segment, for the membrane's edges and for resolved yarns. The tension F
+that is held against the strength follows the mean tension of the segments beside it with a low-pass
+(`failure_kernels` says why). The load is x = F / (EA e_s), over the strength at rest; a constant
+strength fails at x = 1. Where the strength is f(r) times as high at the strain rate r
+(`families.strain_rate`), damage adds up (Coleman's linear accumulation; docs/reports/yarns.md):
 
     dD/dt = r'(x) / e_s,   failure at D = 1 or x = max f
 
-with r(x) the inverse of f, in a table (`RateLaw.table`). At a steady rate r that is D = r(x) / r
-and failure at x = f(r), without a rate being formed from tensions that ring. Under a load that is
-held damage goes on (Coleman's linear accumulation). Sources and limits: docs/reports/yarns.md.
-Where the option is off its table has no points.
+with r(x) the inverse of f, in a table (`RateLaw.table`), without points where the option is off. At a
+steady rate r that is failure at x = f(r), without a rate being formed from tensions that ring.
 """
 
 import math

@@ -1,20 +1,14 @@
-"""Graded panels: small elements about the impact point, longer ones further away.
+"""Graded panels: small elements about the impact point, longer ones further away (docs/theory-panel.md,
+"Graded meshes").
 
-Lines of the grid are further apart the further they are from the impact point, along warp and weft
-alike, so that the elements conform everywhere: squares of 1 x 1 crossovers in the middle, 2 x 2 or
-4 x 4 in the corners, 1 x 2 or 1 x 4 in the arms between. Each line stands for the fabric up to
-halfway to its neighbours: mass, forces and trellis (`membrane_kernels`). Stretches, tension and
-strength are those of one yarn. Waves shorter than about eight of the longer elements do not pass
-where zones meet.
+A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements are
+`side` crossovers long, a whole number or one over a whole number. The last `until` is infinite. Each
+zone but the last goes on until the rest can be filled with whole elements of the next. Lines are alike
+along warp and weft, so that elements conform everywhere. Waves shorter than about eight of the longer
+elements do not pass where zones meet.
 
-A grading is a sequence of (until, side): up to `until` crossovers from the impact point elements
-are `side` crossovers long, a whole number or one over a whole number (1/2, 1/3, ...). The last
-`until` is infinite. Each zone but the last goes on until the rest can be filled with whole elements
-of the next.
-
-Yarns. Lines at whole crossovers are the axes of yarns: where elements are shorter than a crossover
-every axis is that of one yarn, where they are longer it is that of all the yarns that its line
-stands for.
+Lines at whole crossovers are the axes of yarns: of one yarn each where elements are shorter than a
+crossover, of all the yarns that the line stands for where they are longer.
 """
 
 from __future__ import annotations

@@ -1,27 +1,17 @@
 """The grid of a fabric panel with its projectile: lines, masses, edges, time step.
 
-Opening. The grid follows the yarns. Elements that are all alike have their middle in that of a
-straight opening, so that a panel is struck where it is aimed at, on a crossover or between
-crossovers. A graded grid, an oblique and a round one have a crossover at the impact point
-(`PanelGrid.grid_middle`). If the weave is at an angle to the sides of the opening, the opening is
-round, or its middle is not that of the grid, then the grid covers the opening, and its nodes on and
-beyond the edge are held: the fabric out there lies in the clamp. The clamped line is thus a
-staircase of crossovers, nowhere further from the edge than the diagonal of one element.
+The grid follows the yarns. Elements that are all alike have their middle in that of a straight opening;
+a graded grid, an oblique and a round one have a crossover at the impact point (`PanelGrid.grid_middle`).
+If the weave is at an angle to the sides, the opening is round, or its middle is not that of the grid,
+the nodes on and beyond the edge are held: a staircase, nowhere further from the edge than the diagonal
+of one element.
 
-Time step. The highest frequency of the fabric is bounded by w^2 = 4 D / (m d^2), with d the shorter
-side, m the areal density, and D the largest over 0 <= a <= 1 of lambda a + 2 G2 t a (1 - a): that
-of the mode whose phase turns by 2 arcsin(sqrt a) from node to node along both yarns. lambda is the
-largest eigenvalue of the table's membrane tangent, G2 t that of the trellis, which has one point in
-each element and so is blind to a = 1. Along a straight yarn this is d / c with the wave speed c =
-sqrt(E / rho) / sqrt(1 + mass of the crossing yarn over its own): the factor sqrt 2 of woven yarn
-(erratum E-38). Viscous forces act on the velocity of half a step ago, which limits the step to (2 /
-w) (sqrt(1 + xi^2) - xi) at damping ratio xi. How much of that is taken depends on the cell: see
-`time_step`.
+The bound of the time step is that of docs/theory-panel.md, "Time integration and time step"; along a
+straight yarn it is d / c_woven (erratum E-38). How much of it is taken: `time_step`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, sqrt
@@ -71,8 +61,6 @@ class PanelGrid(PanelSetup):
     strength_factors : (warp, weft) factors on `strengths` of each yarn, as many as `yarn_counts`,
         or None where all are alike. They are those of the modelled part: across a plane of symmetry
         a yarn has that of its image
-    parts : of each ply of the panel, besides bending and packing: functions that make a `parts.Part`
-        of the panel
     ply_angle : [rad] of a ply that is turned in its pack, about the impact point: from the pack's
         axes, in which the projectile is given, to its own, in which its yarns lie. weave_angle has
         it in it
@@ -90,7 +78,6 @@ class PanelGrid(PanelSetup):
     trellis: bool = True
     bending: tuple[float, float] = (0.0, 0.0)
     strength_factors: tuple | None = None
-    parts: tuple[Callable[[PanelGrid], Part], ...] = ()
     ply_angle: float = 0.0
 
     def __post_init__(self):

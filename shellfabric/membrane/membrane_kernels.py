@@ -1,33 +1,14 @@
-"""The fabric: yarn segments along the grid lines, crossovers at the nodes, trellis in between;
-total Lagrangian.
+"""The fabric: yarn segments along the grid lines, crossovers at the nodes, trellis in between; total
+Lagrangian (docs/theory-panel.md, "Yarn elements and forces", "Graded meshes").
 
-Equations, trellis of fabric that is drawn together, failed yarns, graded panels:
-docs/theory-panel.md, "Yarn elements and forces". Displacements u are stored, so that fabric at rest
-is exactly at rest. The edge from a node to the next one along its line is a segment of yarn of the
-stretch Lambda; <> is the mean over its four crossing segments.
+Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp edge to
+(i+1, j), the weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s + j. An
+element row adds to the node rows below and above it; node rows between two blocks have two places for
+this, f_int and f_int_above, so that the result does not depend on the order of the blocks.
 
-    equilibrium form   T1 = T1(Lambda1, <Lambda2>),   T2 = T2(<Lambda1>, Lambda2)           forces along the segments
-    variational form   E = 1/2 sum_warp n W(Lambda1, <Lambda2>) + 1/2 sum_weft n W(<Lambda1>, Lambda2)
-    trellis            sin(gamma) = a.b / f(<Lambda1>) f(<Lambda2>),  f = Lambda, or c / 2 + Lambda^2 / 2 c below c
-    failed yarns       N_e = kappa_e N + (1 - kappa_e) T_alone,  force alpha_e N_e   (alpha intact, kappa crossed part)
-
-c = FADE_STRETCH is such that a locked trellis stays within the time step: it adds G2 t (1 / f1^2 +
-1 / f2^2) / 4 to the D of `membrane.grid`, where 2 G2 t = D (eq. 4-49). On graded panels the pieces of
-a crossing line before and behind a node count by their length, so that a mean is its own transpose;
-constants become arrays of slots (`item_or_scalar`).
-
-Scheme. Arrays are flat, by component, a row of s = nj + 1 slots for each i; node (i, j), the warp
-edge to (i+1, j), the weft edge to (i, j+1) and the quadrilateral beside both share the slot k = i s
-+ j. Weft edges and quadrilaterals leave the last slot of a row idle. An element row adds to the
-node rows below and above it; node rows between two blocks have two places for this, f_int and
-f_int_above, so that the result does not depend on the order of the blocks.
-
-Kernels work on the rows first .. last - 1 of a block. Loops are plain ones over slices, which LLVM
-turns into vector instructions. Three are written eight slots at a time (`simd`), since LLVM gives
-up on them or is slower: the look-up in the cell's table, the trellis and the scatter. These may
-overrun scratch by up to seven slots, the panel's arrays not. Scratch begins two rows before the
-block's first: one is idle, one repeats the last row of the block before; another row follows the
-block's last.
+Kernels work on the rows first .. last - 1 of a block. Three (look-up, trellis, scatter) go eight slots
+at a time (`simd`) and may overrun scratch by up to seven slots, the panel's arrays not. Scratch begins
+two rows before the block's first: one idle, one the last row of the block before; one follows the last.
 """
 
 import numpy as np

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import Annotated, Any
 
 from fabrics.base.fields import finite, limits
+from fabrics.base.run_cache import ADDED_LATER
 from fabrics.data_sheet import entries
 from fabrics.fabric import Fabric
 from shellfabric import shot_keys
@@ -15,6 +17,8 @@ from shellfabric.membrane.boundary import Boundary
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.membrane.yarn_lengths import find_yarn_lengths
 from shellfabric.panel_numbers import PanelNumbers
+from shellfabric.part_of_others import PartOfOthers
+from shellfabric.parts import Part
 from shellfabric.projectile.projectile import Projectile
 
 
@@ -40,6 +44,8 @@ class PanelSetup(PanelNumbers):
         the impact point, or None (see `grading`); not with grips at the edges
     length_effect : whether the strength of a yarn follows its length in the panel
         (`find_length_factors`); else it is that of the fabric at every length
+    parts : of each ply, besides bending and packing: functions that make a `parts.Part` of its Panel,
+        such as a `PartOfOthers`
     others : see `PanelNumbers`
     """
 
@@ -54,6 +60,7 @@ class PanelSetup(PanelNumbers):
     packed_area: Annotated[float, finite(gt=0.0, le=1.0)] = entries()["packed_area"].number
     grading: tuple[tuple[float, float], ...] | None = None
     length_effect: bool = True
+    parts: tuple[Callable[[Any], Part], ...] = field(default=(), metadata=ADDED_LATER)
 
     def of_ply(self) -> dict[str, Any]:
         """Return {name: value} of what each ply has alike."""
@@ -86,4 +93,6 @@ class PanelSetup(PanelNumbers):
             "other half": "Half of the panel is modelled, y >= 0: the rest is its image in a plane.",
             "whole": "The whole panel is modelled.",
         }
-        return (f"{'; '.join(boundary.list_in_words(self.boundary))}.", part[self.symmetry])
+        others = [f"{one.in_words}." for one in self.parts if isinstance(one, PartOfOthers)]
+        edges = f"{'; '.join(boundary.list_in_words(self.boundary))}."
+        return (edges, part[self.symmetry], *others)

@@ -28,6 +28,8 @@ from shellfabric.jit.simd import (
 from shellfabric.membrane.membrane_kernels import scratch_slot
 from shellfabric.state import unit
 
+# a locked trellis stays within the time step: with f of the stretches it adds G2 t (1 / f1^2 + 1 / f2^2) / 4
+# to the D of theory-panel.md, where 2 G2 t = D (eq. 4-49)
 FADE_STRETCH = 0.8  # stretch below which the trellis fades out
 # P(z) of asin(x) = x + x z P(z), z = x^2 <= 1/4: interpolated at Chebyshev points, to 1e-13
 _Z = 0.125 * (1 - np.cos(np.pi * (np.arange(12) + 0.5) / 12))

@@ -1,25 +1,14 @@
-"""Elements of a body of revolution of metal: exact forces of a stored energy, and plastic flow.
+"""Elements of a body of revolution of metal: exact forces of a stored energy, and plastic flow
+(docs/theory-panel.md, "Projectile").
 
-The meridian plane (r, z) is a mesh of quadrilaterals with one point each. b_a are the gradients of
-the bilinear shape functions at the middle of an element at rest, R its radius there, A its area:
+The meridian plane (r, z) is a mesh of quadrilaterals with one point each. b_a are the gradients of the
+bilinear shape functions at the middle of an element at rest, R its radius there, A its area:
 
     F_ci = sum_a x_ac b_ai  (c, i of r, z),   F_h = sum_a r_a / 4 R,   V = 2 pi R A            (1)
     W = V w(F, F_h) + k |q|^2 / 2,            q_c = sum_a g_a x_ac                             (2)
 
-g is the hourglass pattern less its linear part, so that q vanishes in every linear motion (Flanagan
-and Belytschko 1981). Forces are the slopes -dW / dx_a, exactly: energy is conserved but for what
-flow and viscosity take, and the sum of the forces along the axis vanishes. The mass of an element
-goes to its corners in equal parts, as its forces do: a body that is pushed evenly from behind moves
-evenly, on its axis too.
-
-w is Hencky's, with C the inverse of the plastic metric and e_i the principal logarithmic strains,
-
-    b = F C F^T,  b_h = F_h^2 C_h,   tau_i = K tr e + 2 G dev e_i,   w = K/2 (tr e)^2 + G |dev e|^2   (3)
-
-as in `block.block_kernels`; the hoop is always a principal direction, so that the other two are
-those of a 2 x 2 tensor. Plastic flow is that of `flow_kernels`, eq. (3) there. A bulk viscosity,
-linear and square in the rate of ln J, damps shocks; it is over the least height of the element as
-it is.
+g is the hourglass pattern less its linear part, w Hencky's energy as in `block.block_kernels`; the hoop
+is always a principal direction. A bulk viscosity, linear and square in the rate of ln J, damps shocks.
 """
 
 import math

@@ -1,29 +1,12 @@
-"""The guard: facets of different plies that are near each other stay on their sides of a plane
-between them.
-
-A constraint has two facets A and B, with the distance d [m] at the beginning of a step and the
-direction n from A to B. With x the positions of their nodes and y those after the step by all
-forces, and t the thickness,
+"""The guard: facets of different plies that are near each other stay on their sides of a plane between them (why it
+works: docs/theory-panel.md, "Packs: contact between plies"). A constraint has two facets A and B at the distance d
+[m] at the beginning of a step, with the direction n from A to B; with y the places of nodes after it, and t the
+thickness,
 
     min n.y_b - max n.y_a >= need,      need = max(0.2 d, min(d, 0.05 t))
 
-A constraint that is violated gets the inelastic impulse n J between the two nodes that violate it
-most, as large as stops them: what is then left is d. Constraints are swept again (Gauss-Seidel)
-until all hold, or SWEEPS times. The nodes of constraints that do not hold then move as one, with
-the mean of their momentum, and so do those of constraints that this violates. An impulse that left
-no more than `need` would leave every constraint of a stack at its limit, which the next impulse
-violates: sweeps would not end, and whole stacks would move as one, which takes energy that no two
-facets have had between them.
-
-At the beginning of the step A and B are on the two sides of a slab of width d across n, at its end
-on those of a slab of width `need`: in between too, as nodes move straight. No motion satisfies
-every constraint. So each impulse, and each cluster, is a projection, in the norm of the kinetic
-energy, on a set that holds it: the energy never grows, and a solution exists. Impulses are equal
-and opposite, but for those of planes of symmetry.
-
-A plane of symmetry, beyond which are the images of the plies, is a constraint with PLANE_X or
-PLANE_Y for the nodes of A. A node on such a plane has the bit of its axis in
-`PackContact.plane_bits`, and keeps to the plane.
+A plane of symmetry is a constraint with PLANE_X or PLANE_Y for the nodes of A. A node on such a plane has the bit of
+its axis in `PackContact.plane_bits`, and keeps to the plane.
 """
 
 from shellfabric.jit.compile import kernel
@@ -99,6 +82,13 @@ def add_impulse(contact, k, n, impulse):
 def project_constraints(contact, rows, nodes):
     """Find the impulses by which the first `rows` constraints hold, into guard.impulse, and the
     positions with them, in guard.predicted_x.
+
+    A constraint that is violated gets the inelastic impulse n J between the two nodes that violate
+    it most, as large as stops them: what is then left is d. Constraints are swept again
+    (Gauss-Seidel) until all hold, or SWEEPS times. An impulse that left no more than need would
+    leave every constraint of a stack at its limit, which the next impulse violates: sweeps would
+    not end, and whole stacks would move as one, which takes energy that no two facets have had
+    between them.
 
     nodes : how many of guard.nodes have a part in the constraints
 

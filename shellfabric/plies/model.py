@@ -1,21 +1,12 @@
 """A pack: plies behind each other in one opening, with a gap between each two.
 
-Stacking. "aligned" plies are all alike; in an "alternating" pack every other one is turned by a
-right angle (thesis section 5.2.3, Figure 5-55). Such a ply is the panel of the fabric with its warp
-called weft: the shell does not see which yarn is on top, and each ply has its own grid. A ply at
-any other angle has its grid in a frame of its own, in which the opening is oblique
-(`membrane.boundary`) and the projectile comes from elsewhere.
-
-Gap. Play between the faces of plies at rest; their middle surfaces are the mean thickness and the
-gap apart (erratum E-35). By default it is what tests of packs close and the law of the contact does
-not (`gap.ply_gap`).
-
-Contact. Two plies press on each other by a law of pressure against closure (`fabrics.ply_law`), the
-same on every mesh. The nose presses on half a ply of solid fibre: twice the stiffness of two half
-plies.
-
-Time step. All plies share the shortest of their steps, or a shorter one for the contact
-(`PlyContact`).
+"aligned" plies are all alike; in an "alternating" pack every other one is turned by a right angle (thesis section
+5.2.3, Figure 5-55): the panel of the fabric with its warp called weft, since the shell does not see which yarn is on
+top. A ply at any other angle has its grid in a frame of its own, in which the opening is oblique and the projectile
+comes from elsewhere. The gap is the play between faces at rest; middle surfaces are the mean thickness and the gap
+apart (erratum E-35; default: `gap.ply_gap`). Plies press by a law of pressure (`fabrics.ply_law`); the nose presses
+on half a ply of solid fibre, twice the stiffness of two half plies. All share the shortest of their steps, or a
+shorter one for the contact (`PlyContact`).
 """
 
 from __future__ import annotations

@@ -1,21 +1,15 @@
-"""Which tiles and facets of different plies are near each other, in lists that are remade after a
-motion.
-
-A tile is TALL by WIDE elements of a ply. Its displacement is the sum over the steps of the largest
-displacement of its nodes in each. What is `gap` [m] apart is checked again when the displacements
-of both its tiles, with those of another step like the last, have grown by gap - near [m] together:
-it cannot have come nearer than `near` before. That holds of pairs of tiles, of pairs of facets of
-these, and of a tile and a plane of symmetry; and with the thickness for `near`, of tiles whose
-points may touch each other (`plies.pressure_kernels`).
+"""Which tiles (TALL by WIDE elements) and facets of different plies are near each other, in lists that are remade after
+a motion. The displacement of a tile is the sum over the steps of the largest of its nodes in each. What is `gap` [m]
+apart cannot have come nearer than `near` before the displacements of both its tiles, with those of another step like
+the last, have grown by gap - near together. That holds of pairs of tiles and of facets, of a tile and a plane of
+symmetry, and with the thickness for `near`, of tiles whose points may touch each other (`plies.pressure_kernels`).
 
     pairs of tiles   all whose boxes are within _TILE_REACH thicknesses; listed anew when a tile has come that far
     pairs of facets  of tiles that no plane divides: all whose boxes are within _REACH thicknesses; listed anew likewise
-    constraints      pairs of facets that are nearer than `near`, or could meet in the coming step, for the guard
-                     (`plies.guard_kernels`)
+    constraints      pairs of facets that are nearer than `near`, or could meet in the coming step (`guard_kernels`)
 
-An element is two triangles where it has yarns of both families and has not eroded, and, once torn,
-is not drawn out to more than twice its size. What has ceased to be one never is one again. Yarns
-beside no such element are bare.
+An element is two triangles where it has yarns of both families, has not eroded, and is not drawn out to more than
+twice its size once torn. What has ceased to be one never is one again. Yarns beside no such element are bare.
 """
 
 import math

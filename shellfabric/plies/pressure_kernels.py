@@ -1,50 +1,14 @@
-"""Pressure and friction between plies, point by point, from where they are now.
-
-Each element of a ply carries n x n points x of its surface (`surface.surface_kernels`). y is the
-point of the surface of a ply behind it that is closest to x, d their distance, t the mean thickness
-of both plies, v the velocity of x over y:
+"""Pressure and friction between plies, point by point (docs/theory-panel.md, "Packs: contact between plies", and
+"contact law of plies"). With y the point of the surface of a ply behind that is closest to a point x,
 
     n = (y - x) / d,     f = A max(0, p(t - d) + c n.v)                                 (1)
-    v_t = v - (n.v) n,   g = k_t s + c v_t,   |k_t s| <= mu f,   c |v_t| <= mu f - |k_t s|   (2)
+    v_t = v - (v.n) n,   g = k_t s + c v_t,   |k_t s| <= mu f,   c |v_t| <= mu f - |k_t s|   (2)
+    p(d' - (d' - d) / e),     d < d', the deepest closure since a point touched         (3)
 
-with the law p (`plies.law_kernels`), the area A of the point, and Coulomb's friction: the elastic
-slip s, whose rate is v_t, is what a spring k_t along the surface remembers of a point that sticks,
-and one that slides lets go what is beyond the limit; the damper c, at most c_t, has what the spring
-leaves (`contact.friction`). -f n - g acts on the nodes of the front ply about x,
-f n + g on those of the rear ply about y: the sum vanishes to the last digits. Friction is shared out
-by their weights in x and y, the push f n by limited shares, which call back nodes that run ahead
-(`surface.surface_kernels`). The distance has no sign. So no point has a side: what keeps plies from passing
-through each other is the guard (`plies.guard_kernels`). A is the area at rest: fabric does not
-contract much below it (`membrane.packing_kernels`).
-
-Closure by motion. In folds and beside tears the closest point may jump, surfaces change and plies
-come to meet through a hole, each at a depth that no motion has made: energy that nobody gave. What
-a closure c jumps by, c - c_old - dt n.v beyond _JUMP thicknesses, does not press (`unearned`),
-until the point has left.
-
-Plies give less back than they took. p falls along a steeper branch from the deepest closure d' that
-a point has had since it touched, and rises along it up to d' again:
-
-    p(d' - (d' - d) / e),     d < d'                                                    (3)
-
-It is the law drawn together towards d', so that of the energy that closing took the share e comes
-back, whatever the law (`ply_resilience` of a fabric), and plies stay closed by 1 - e of d' without a
-pressure. There the damper is off too. A point that leaves forgets d', as it forgets what it jumped by,
-and its elastic slip: nothing else is remembered. All three are of the points of the front ply,
-wherever on the rear one their closest points are.
-
-Closest points. The search begins at the place of the last step, or of the nearest node, and takes
-Newton's steps. With the offset w = x - y there, slopes y_a, y_b and the step (a, b), the offset at
-its end is, to second order,
-
-    w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b               (4)
-
-Which points are computed: those of tiles (`plies.near_kernels`) that have come so far that they may
-touch. Most are computed eight at once: points with the same place in neighbouring elements are side
-by side, and so are their closest points, to within a node, where plies lie at one angle. Eight of
-them lie over four rows of four nodes each, that of the next a node further. What needs more than a
-formula (torn fabric, sides, folds, plies at other angles) is computed one at a time. Plies that are
-no neighbours meet where the ply behind the first has a hole.
+-f n - g acts on the nodes of the front ply about x, the opposite on those of the rear ply about y. The distance has
+no sign: the guard keeps plies apart. A point that leaves forgets d', what it jumped by and its elastic slip. Most
+points are computed eight at once, in rows of neighbours; what needs more than a formula (torn fabric, sides, folds)
+one at a time.
 """
 
 import math
@@ -283,6 +247,11 @@ def newton_step(w, slopes, second, thickness):
     """Compute the step (a, b) [elements] towards the closest point: Newton's within the thickness;
     that of Gauss and Newton beyond it, and if there is no other. Return it, and whether it is
     within.
+
+    With the offset w = x - y, slopes y_a, y_b and the step (a, b), the offset at its end is, to
+    second order,
+
+        w - (y_a + (a y_aa + b y_ab) / 2) a - (y_b + (a y_ab + b y_bb) / 2) b               (4)
 
     w : offset of the point; slopes : of the surface along a and b; second : its second slopes aa,
         ab, bb
@@ -550,7 +519,12 @@ def pushed_nodes(contact, p, side, foot):
 @kernel(_nrt=False, forceinline=True)
 def earned_closure(contact, thickness, number, closure, closing):
     """Return the closure [m] of a point less its unearned part, and the deepest since it touched;
-    remember them."""
+    remember them.
+
+    In folds and beside tears the closest point may jump, surfaces change and plies come to meet
+    through a hole, each at a depth that no motion has made. What a closure c jumps by, c - c_old -
+    dt n.v beyond _JUMP thicknesses, does not press (`unearned`), until the point has left.
+    """
     pressure = contact.pressure
     memory = (
         pressure.last_contact_step[number],

@@ -1,22 +1,14 @@
-"""An elastic-plastic bar along the projectile's axis: lumped masses on springs, by velocity Verlet.
-
-Node 0 is the tip, the last one the tail; u counts forwards along the axis from the positions at rest.
+"""An elastic-plastic bar along the projectile's axis: lumped masses on springs, by velocity Verlet (thesis
+section 4.4.2). Node 0 is the tip; u counts forwards along the axis from rest. Tension is positive.
 
     l_k = 1 + (u_k - u_(k+1)) / h_k,   e = ln l,   tau = E (e - e_p)                    (1)
-    |tau - H e_p| <= sigma_y                                                            (2)
+    |tau - H e_p| <= sigma_y            kinematic, by radial return: exact for a step    (2)
     m_k dv_k/dt = (A tau / l)_(k-1) - (A tau / l)_k,   at the tip the target's force    (3)
 
-Tension is positive. Plasticity is kinematic with linear hardening H, by radial return, which is
-exact for a step of strain (the thesis uses a kinematic plasticity model, thesis section 4.4.2).
-With logarithmic strain and Kirchhoff stress tau a section grows as it is squeezed, at constant
-volume. A wall that carries no more than sigma_y would else be driven together in the one element
-next to where it is loaded, whatever its length; this growth alone spreads the flow, at
-(sigma_y / rho)^(1/2). A force that is held over a step does the work force times advance of the
-tip, and the bar's momentum grows by force times time, both exactly.
-
-In a run the bar is a part (`dynamics.BarBody`): `move_bar` is its unit, `BarRow` its row. The
-projectile moves rigidly across its axis. What contact sees is the tip: its place, and as its
-velocity its advance over the step divided by the step.
+A section grows as it is squeezed: a wall that carries no more than sigma_y would else be driven together
+in the element next to where it is loaded; this growth alone spreads the flow, at (sigma_y / rho)^(1/2).
+The bar is a part (`dynamics.BarBody`), `move_bar` its unit. The projectile moves rigidly across its axis;
+contact sees the place of the tip, and as velocity its advance over the step divided by the step.
 """
 
 import math
@@ -90,6 +82,8 @@ def step_bar(pushed, dt, left):
 def advance(bar, force, dt):
     """Move the bar over the time `dt` [s] under a force [N] that is held at its tip.
 
+    A held force does the work force times advance of the tip, and the bar's momentum grows by force
+    times time, both exactly.
     The force is positive forwards along the axis: what stops the projectile is negative. Its own
     steps are short enough for the bar at rest (`bar.Bar.substeps`). Where an element is
     squeezed below 0.95 of its length there are more in its measure: a wave crosses it sooner.

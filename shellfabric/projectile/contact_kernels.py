@@ -1,26 +1,14 @@
-"""Contact of the fabric with a projectile: penalty on a signed distance, over points of a smooth
-surface.
+"""Contact of the fabric with a projectile: penalty on a signed distance, over points of a smooth surface
+(derivation: docs/theory-panel.md, "Contact with the projectile").
 
-The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its
-axis along z. A projectile whose axis is tilted has a frame of its own, into which positions are
-rotated, and normals back out of it. Every element carries p x p points x = sum N_i x_i of the
-surface of `surface.surface_kernels`. A point with distance < 0 has
+The distance is that of `sdf_kernels`, in the frame of the projectile: its nose at the origin, its axis
+along z; a tilted one has a frame of its own. Every element carries p x p points x = sum N_i x_i
+(`surface.surface_kernels`), whose forces its nodes share by their N_i. Where yarns have failed, k and c
+are those of what is left of the two next to a point.
 
-    f = max(0, -k distance - c n.(v - v_p)) n                                 (1)
-
-and the friction of `contact.friction_kernels`; its nodes share the force by their N_i, and the projectile
-gets its opposite. In packs the push along n is shared out by limited shares, with the nose's own
-velocity as that of the other surface. Where yarns have failed, k and c are those of what is left of the two next to a
-point.
-
-In packs the spring is const.point_law.implicit_factor times as stiff, and its force is that of the
-end of the step: with the depth d and the velocity v at which the point will approach by all other
-forces than the nose's, eq. (2) of `contact.normal_kernels`, where m = s / (A s) is the mass that a
-point moves, forces f accelerating the points by A f. s is the force of a step ago and besides, on
-every point, the nose's force on the ply over the points of an element (without the second part the
-load hops from point to point as fabric slides round the rim).
-The largest eigenvalue of m A is 1 (Perron); up to 4/3 is stable for any k. Derivation, and why the
-surface is smooth: docs/theory-panel.md, "Contact with the projectile".
+In packs the push along n is shared out by limited shares, and the force is that of the end of the step,
+eq. (2) of `contact.normal_kernels`. The mass there is over s, the force of a step ago and the nose's force
+spread over an element: else the load hops from point to point as fabric slides round the rim.
 """
 
 import numpy as np

@@ -1,17 +1,12 @@
 """Signed distance to the meridian of a body of revolution, and what it takes and gives there.
 
-The outline of the body is a polygon (r, z). The profile K is that polygon set back by the edge
-radius, and the body K grown by a ball of that radius: its edges are rounded, and the distance is
-exact, as that of the shapes of `sdf_kernels`,
+The outline is a polygon (r, z). The profile K is that polygon set back by the edge radius rho, the body
+K grown by a ball of that radius: its edges are rounded and the distance is exact (`sdf_kernels`). A node
+is set back along the bisector by 2 rho m / |m|^2, m the sum of the unit normals beside it. Nodes that come
+nearer than rho to another part of the outline are left out: a ball of this radius does not reach there.
 
-    distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it.
-
-A node is set back along the bisector by 2 rho m / |m|^2, m the sum of the unit normals beside it,
-so that the sides of K keep rho from those of the outline. Nodes that come to lie nearer than rho to
-another part of the outline are left out of K: a ball of this radius does not reach there.
-
-The body may move over its nose, ring by ring (`metal.motion_kernels`): the velocity at a foot is
-between those of the two rings beside it, which share the force on it.
+The body may move over its nose, ring by ring (`metal.motion_kernels`): the velocity at a foot is between
+those of the two rings beside it, which share the force on it.
 """
 
 import math

@@ -1,30 +1,14 @@
-"""Shapes of the projectile: signed distances with their gradients, in the frame of the projectile.
+"""Shapes of the projectile: signed distances with unit gradients, in the frame of the projectile. The axis is
+z, the nose's foremost point at z = 0, the body at z <= 0; docs/theory-panel.md, "Projectile". All but STL
+and OGIVE are convex and exact: a body K grown by a ball of radius rho, which rounds its edges.
 
-The axis is z, the nose's foremost point is at z = 0, the body lies at z <= 0. All but STL and
-OGIVE are convex and exact: behind their noses cylinders of radius R, without an end or, where a
-length L is given, with a flat end whose edge is rounded by rho. Each is written as a body K grown by
-a ball of radius rho, which is what rounds its edges, so that
-
-    distance(p) = dist(p, K) - rho outside K,   -dist(p, boundary of K) - rho inside it,
-
-is exact on both sides: where contact acts, inside, it is the distance to the nearest face. The
-gradient is of length 1.
-
-    FLAT        disc with a rounded edge
-    HEMISPHERE  ball of radius R in front of the cylinder
-    CONE        half angle and rounded tip; the shoulder rounded by rho
-    SPHERE      ball of radius R, nothing behind it
-    CHISEL      fragment simulator: flat strip of a width across the nose, along y, and two flats that fall off from it
-                by an angle to the nose's plane
-    STL         any body, by samples of its distance on a grid (`solid`), interpolated by tricubic B-splines
-    OGIVE       or PROFILE: a body of revolution whose meridian is a polygon, also one that changes (`profile_kernels`)
+    FLAT, HEMISPHERE, CONE   noses of a cylinder of radius R, without an end or with a flat, rounded one
+    SPHERE                   ball of radius R, nothing behind it
+    CHISEL                   flat strip across the nose, along y, and two flats that fall off from it
+    STL                      samples on a grid (`solid`), interpolated by tricubic B-splines
+    OGIVE, PROFILE           a body of revolution whose meridian is a polygon (`profile_kernels`)
 
 A new shape is one function here, one line in `distance`, and an entry of `shapes.SHAPES`.
-
-form, the numbers that a shape needs beside R and rho:
-    CONE   (tip radius, sine and cosine of the half angle, height of the shoulder's centre)
-    CHISEL (half the width of the strip of K, sine and cosine of the angle of the flats)
-    STL    (place of the first sample, 1 / spacing, numbers of samples, coefficients of the B-splines)
 """
 
 import math
@@ -316,6 +300,11 @@ def shoulder_of(const):
 def distance(nose, point):
     """Compute the signed distance of a point (x, y, z) to a projectile and its gradient (n_x, n_y,
     n_z).
+
+    `form` has what a shape needs beside R and rho:
+        CONE   (tip radius, sine and cosine of the half angle, height of the shoulder's centre)
+        CHISEL (half the width of the strip of K, sine and cosine of the angle of the flats)
+        STL    (place of first sample, 1 / spacing, numbers of samples, B-spline coefficients)
 
     nose : its shape (`state.Nose`)
 

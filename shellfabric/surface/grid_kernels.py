@@ -1,16 +1,13 @@
 """The nodes of a ply with a ring of ghosts about them: what nose, other plies and guard touch.
 
-The arrays of a ply (`state.State`) are in its own frame: displacements, x along its first family of
-yarns. Here positions and velocities are in the frame of the first ply of a pack, and node (i, j) has
-the number
+The arrays of a ply (`state.State`) are in its own frame: displacements, x along its first family. Here
+positions and velocities are in the frame of the first ply, and node (i, j) has the number
 
     base + i stride + j,     i = -1 ... ni + 1,  j = -1 ... nj + 1
 
-A ghost is the mirror image of the node beyond a plane of symmetry, and goes straight on, 2 x_0 -
-x_1, at an edge. With it the surface of a ply (`surface.surface_kernels`) has no special case at its
-sides: at an edge it ends straight, with the weights -s or 0, 1 - |s| and s or 0. Forces on ghosts
-are handed back to the nodes that they follow from. A turn is (c, s), cosine and sine of the angle
-from the first frame to that of a ply.
+A ghost is the mirror image beyond a plane of symmetry, and goes straight on, 2 x_0 - x_1, at an edge, so
+that the surface (`surface.surface_kernels`) has no special case at its sides. Forces on ghosts are handed
+back to the nodes that they follow from. A turn is (c, s), cosine and sine from the first frame to a ply's.
 """
 
 from shellfabric.jit.compile import kernel

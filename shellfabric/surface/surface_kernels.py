@@ -1,41 +1,14 @@
-"""The surface of a ply as all that touches it sees it, on its grid (`surface.grid_kernels`).
+"""The surface of a ply as all that touches it sees it, on its grid (`surface.grid_kernels`): of whole fabric
+the biquadratic B-spline whose control points are the nodes (docs/theory-panel.md, eq. (2)). Of torn fabric
+nodes may be adrift: other plies touch the bilinear facet of the element, the nose a surface that ends
+where yarns end (`surface.torn_kernels`).
 
-Whole fabric is the biquadratic B-spline whose control points are the nodes: with a the place along
-the first axis in elements, i the nearest node and r = a - i, the weights of three nodes are
-
-    B(i-1) = (1/2 - r)^2 / 2,    B(i) = 3/4 - r^2,    B(i+1) = (1/2 + r)^2 / 2
-
-Its slope is continuous. Weights are at least 0 and their sum is 1, so that a point lies in the
-convex hull of its nodes, and fabric that is flat and even is kept as it is. Its tangent plane goes
-through the middle of every element with the slopes that the element has there.
-
-Of torn fabric some of these nodes may be adrift. There other plies touch the bilinear facet of the
-element itself, with the weights 1 - f, f and 0 at a = i + f; the nose a surface that ends where
-yarns end (`surface.torn_kernels`).
-
-The foot of a point is what its surface follows from: the row and column of the first of three by
-three nodes, (number of that node, numbers from row to row), and weights along both axes. Forces are
-shared out by the same weights M: the transpose of the interpolation.
-
-Limited shares. Mass is lumped at single nodes, so that a push f along n on a few nodes at the tip of
-a nose has them run ahead of the surface, and one-sided contact never calls them back. Of the push
-between plies of a pack, and of the nose on them, a node has the share
+The foot of a point is the first of three by three nodes (number, numbers from row to row), and weights M
+along both axes; forces are shared out by the same weights. Limited shares, "Packs: contact between plies":
 
     s_j = M_j t_j / sum(M t),    t_j = max(1 - D (n.v_j - u)+ / f, LEAST_PART)             (1)
-
-with the velocity u from which on it runs ahead: the larger one of both surfaces along the push, and
-
-    min(T, T'),    T = FARTHEST (|slope along a| + |slope along b|)                        (2)
-
-by which plies that turn together have nodes ahead of the point where they touch: without it they are
-braked. A slope is the smaller one of the two between three rows of nodes, 0 if these differ in sign,
-so that a tip has none; it fades out with the weight of the outer rows, so that no force jumps where a
-point passes on to other nodes. A nose moves without turning: its T' is 0, and so is the minimum.
-
-The sum of the shares is 1, so that momentum is kept. Shares fall where velocities rise; by Chebyshev's
-inequality the power f sum((s - M) n.v) is then at most 0: energy is taken, never given. A push moves
-by less than an element, and with it the moment of a force. A node that runs ahead feels a damper of
-D M_j, stable with D dt / m < 2. D : `plies.numerics.PlyContact`.
+    u : the larger velocity of both surfaces along the push f, and min(T, T') of their tilts,
+    T = FARTHEST (|slope along a| + |slope along b|)      D : `plies.numerics.PlyContact`   (2)
 """
 
 import math
@@ -162,6 +135,11 @@ def speeds_at(v, at, n):
 def share_out_limited(f, window, foot, speeds, push):
     """Share a push at a foot out to the nodes, whose window grows, by limited shares. Return the mean
     of the nodes' speeds [m/s] along the normal by these shares.
+
+    The sum of the shares is 1, so that momentum is kept. Shares fall where velocities rise; by
+    Chebyshev's inequality the power f sum((s - M) n.v) is then at most 0: energy is taken, never
+    given. A push moves by less than an element, and with it the moment of a force. A node that runs
+    ahead feels a damper of D M_j, stable with D dt / m < 2.
 
     f : on the grid of the foot; speeds : `speeds_at`
     push : its force, and what limits the shares (`part_left`)
@@ -454,7 +432,12 @@ def smaller_slope(one, two, three):
 
 @kernel(_nrt=False, forceinline=True)
 def slope_of_three(w, one, two, three):
-    """Compute the slope of eq. (2) between three means, or three eights, of weights w."""
+    """Compute the slope of eq. (2) between three means, or three eights, of weights w.
+
+    A slope is the smaller one of the two between three rows of nodes, 0 if these differ in sign, so
+    that a tip has none; it fades out with the weight of the outer rows, so that no force jumps
+    where a point passes on to other nodes.
+    """
     seen = minimum(minimum(w[0], w[2]) / FAINT, 1.0)
     return seen * smaller_slope(one, two, three)
 

@@ -1,19 +1,13 @@
-"""The surface of torn fabric as the nose sees it: it ends where yarns end.
-
-The surface about node (i, j), from half an element before it to half an element behind it along both
-families, is
+"""The surface of torn fabric as the nose sees it: it ends where yarns end. About node (i, j), from half an
+element before it to half an element behind it along both families, it is
 
     x(s, t) = sum_mn B_m(s) B_n(t) x(i + m, j + n),   m, n = -1, 0, 1,   -1/2 <= s, t <= 1/2
 
-with the B of `surface.surface_kernels`. Where a yarn has failed, the node beyond is the one that goes
-straight on, 2 x(i) - x(i + 1), which makes B = (-s or 0), 1 - |s|, (s or 0): the surface ends at the
-end of the yarn. So along either family it bends about a node if the yarn is whole on both sides of
-it, and is straight otherwise; neither positions nor forces are handed across a gap. At a corner of the
-nine nodes one may be left that no yarn joins to the others: then it is straight along both, within
-the element's own four nodes.
-
-An element is a quarter each of the surfaces about its four nodes. Its `bent` are eight bits, two of
-each of its corners (q, r): whether the surface about it bends along the warp, and along the weft.
+with the B of `surface.surface_kernels`. Where a yarn has failed, the node beyond goes straight on, which
+makes B = (-s or 0), 1 - |s|, (s or 0): along either family it bends about a node if the yarn is whole on
+both sides, and is straight otherwise; nothing is handed across a gap. Where no yarn joins one of the nine
+nodes to the others it is straight along both, within the element's own four nodes. An element is a quarter
+each of the surfaces about its four nodes; its `bent` are eight bits, two of each of its corners (q, r).
 """
 
 import numpy as np

@@ -1,21 +1,12 @@
-"""Yarns as chains of segments that bear tension alone, and their failure.
+"""Yarns as chains of segments that bear tension alone, and their failure (docs/theory-panel.md, "Resolved
+yarns"). A yarn of family 0 (warp) lies along x, of family 1 (weft) along y; node n and segment n, from
+node n to n + 1, share a number. A segment fails by the criterion of the membrane
+(`membrane.failure_kernels`), over the same segment of neighbouring yarns, in the step after F has passed
+the strength.
 
-    T = E A (l / l0 - 1), at least 0,    T_v = xi sqrt(E A lambda) dl/dt, at least -T
-
-with the linear density lambda: xi is the damping ratio of the highest mode of a chain with lumped
-masses. A yarn of family 0 (warp) lies along x, of family 1 (weft) along y; node n and segment n,
-from node n to n + 1, share a number.
-
-A segment fails by the criterion of the membrane (`membrane.failure_kernels`), whose lines are here
-the yarns themselves: M, the mean of the tensions of the same segment of neighbouring yarns over the
-fabric's failure length, and F, which follows M over the time of a wave across that length. It
-breaks in the step after F has passed the strength.
-
-Books. The kinetic energy of central differences changes in a step by v(n-1/2) (f(n) + f(n-1)) dt /
-2: works of dissipative forces are those of the mean of the old and the new force, each in its own
-direction: a segment that whips turns by a few hundredths in a step. That mean is not the change of
-the energy of a segment that snaps taut or goes slack within the step: `zone.lost_in_snaps` has the
-rest, as "yarn_snap" of the membrane has it.
+Works of dissipative forces are those of the mean of the old and the new force, each in its own direction:
+a segment that whips turns by a few hundredths in a step. What that mean leaves of the energy of a segment
+that snaps taut or goes slack is in `zone.lost_in_snaps`, as the membrane's is in "yarn_snap".
 """
 
 import math

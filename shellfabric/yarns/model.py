@@ -215,6 +215,8 @@ class YarnPanel(Panel):
         if model.cell_model == "decoupled":
             allowed = "compressible or incompressible with resolved yarns, which touch"
             raise InputError(key="cell_model", value=model.cell_model, allowed=allowed)
+        if self.parts:
+            raise InputError(key="parts", allowed="left out with resolved yarns")
         refuse_unread(CellNumbers, model, "yarns", "resolved yarns")
         refuse_unread(PanelNumbers, self, "yarns", "resolved yarns")
         refuse_unread(NumericsKeys, self.numerics, "yarns", "resolved yarns")

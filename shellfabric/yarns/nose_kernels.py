@@ -1,18 +1,11 @@
-"""The nose against the yarns of a zone: penalty on the signed distance of any projectile, at points
-of the chains.
+"""The nose against the yarns of a zone: penalty on the signed distance D of any projectile (`sdf_kernels`), at
+points of the chains, f = k <r - D> n, friction as for the membrane's contact (`friction_kernels`).
 
-A yarn is a rod of the radius r, half its half of the ply's thickness, about its middle line. Points
-lie at the nodes and in the middle of the segments, a quarter of a crossover apart; with the signed
-distance D of the projectile (`sdf_kernels`), its normal n and friction as for the membrane's
-contact (`friction_kernels`),
-
-    f = k <r - D> n,   U = k <r - D>^2 / 2
-
-A yarn is wider than it is thick. Each point is three across it: on the middle line and at the two
-edges, which lie `nose_edge` beside it, along the direction that is across the yarn and in the plane
-of the fabric at rest; each has a third of k. That direction does not turn, so that an edge moves as
-the middle line does: the force of an edge goes to the nodes of the middle line and its moment about
-it is left out, and no energy with it.
+A yarn is a rod of the radius r, half its half of the ply's thickness. Points lie at the nodes and in the
+middle of the segments, a quarter of a crossover apart, each three across the yarn: on the middle line and
+at the two edges, `nose_edge` beside it, along the direction that is across the yarn in the plane of the
+fabric at rest; each has a third of k. That direction does not turn: the force of an edge goes to the
+nodes of the middle line and its moment is left out, and no energy with it.
 """
 
 import math

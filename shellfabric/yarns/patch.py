@@ -1,28 +1,11 @@
-"""A patch of fabric of resolved yarns: its geometry, its constants, its arrays.
+"""A patch of fabric of resolved yarns: its geometry, its constants, its arrays. Crossings lie on the grid of
+the weave. A yarn has a node at each and one halfway between, and runs one spacing beyond its first and
+last crossing. Nodes at a crossing are up or down by the amplitude that the crimp asks for; those halfway at
+mid-height where the yarn changes sides, on its side where it floats on; those at the rim at mid-height.
 
-Geometry. Crossings lie on the grid of the weave. A yarn has a node at each of its crossings and one
-halfway between, and runs from rim to rim, one spacing beyond its first and last crossing. At a
-crossing it is up or down by its amplitude, which gives its segments the length that the crimp asks
-for; the nodes halfway lie between its neighbours, at mid-height where the yarn changes sides and on
-its side where it floats on. Those at the rim lie at mid-height, so that half a cell of crimp is
-given up there.
-
-Heights. Yarns of the cell are cosines (`cell.crossover_kernels`), here they are zigzags, whose
-splines stand lower for the same crimp: at 0.75 of the amplitude, and an eighth higher for each side
-on which the yarn floats on. That is by the share s, 0.83 in plain weave. Their crossings close by s times as
-much, so that the law of the cell's resultant is taken at the closure over s. Tensions of a biaxial
-patch are then within 4 % of the cell's, within 7 % in basket 2x2 and twill 2/2.
-
-Stiffness of contacts. What is stiffer than the yarn itself only shortens the time step. In units of
-EA / l0 of the softer family's segment: crossings follow the compression laws of their two yarns in
-series up to CROSSING, and are linear from there; their friction springs have FRICTION, the nose
-NOSE, neighbours that cannot come closer HARD.
-
-Neighbours touch at the width of a yarn. Round packed yarns are closest at sqrt 3 diameters where a
-crossing yarn passes between them (Peirce's jammed weave), at one where it floats over both. Until
-then a yarn is squeezed sideways: k1 = E t s / w with half the ply's thickness t, the spacing s along the yarn and
-the width w. E lies between the transverse moduli of the loose and of the packed yarn
-(`fabrics.solid`); their geometric mean is taken, nobody has measured it.
+What is stiffer than the yarn only shortens the time step. In units of EA / l0 of the softer family's
+segment: crossings follow the compression laws of their two yarns in series up to CROSSING, and are linear
+from there; their friction springs have FRICTION, the nose NOSE, neighbours that cannot come closer HARD.
 """
 
 from __future__ import annotations
@@ -59,6 +42,18 @@ RIM_ROWS = 2  # outer rows of crossings that are pinned: a yarn does not slide o
 @dataclass(frozen=True)
 class YarnPatch:
     """Warp and weft yarns that cross each other on a rectangle.
+
+    Heights: yarns of the cell are cosines, here zigzags, whose splines stand lower for the same
+    crimp: at 0.75 of the amplitude, and an eighth higher for each side on which the yarn floats on.
+    By the share s, 0.83 in plain weave, crossings close as much more, and the cell's law is taken
+    at the closure over s. Tensions of a biaxial patch are then within 4 % of the cell's, within 7 %
+    in basket 2x2 and twill 2/2.
+
+    Neighbours touch at the width of a yarn. Round packed yarns are closest at sqrt 3 diameters
+    where a crossing yarn passes between them (Peirce's jammed weave), at one where it floats over
+    both. Until then a yarn is squeezed sideways: k1 = E t s / w with half the ply's thickness t,
+    the spacing s along the yarn and the width w. E lies between the transverse moduli of the loose
+    and of the packed yarn (`fabrics.solid`); their geometric mean is taken, nobody has measured it.
 
     Parameters
     ----------

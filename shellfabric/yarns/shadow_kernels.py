@@ -1,21 +1,12 @@
-"""What other plies and a block see of a zone of yarns: shadow nodes, in the membrane's grid inside
-the rim.
+"""What other plies and a block see of a zone of yarns: shadow nodes, in the membrane's grid inside the rim
+(docs/theory-panel.md, "Resolved yarns", packs).
 
-Contact, guard and friction between plies know grids of nodes. At the crossing (i, j) at rest, with
-the node a of its warp yarn and the node b of its weft yarn, the zone gives them the node
-
-    x = w x_a + (1 - w) x_b,    w = A_weft / (A_warp + A_weft)
-
-with the amplitudes A, so that it is at mid-height at rest. A force F on it is w F on a and (1 - w)
-F on b: it does the same work there, to rounding, and has the same moment. No node of a chain
-belongs to two shadow nodes, so that each has a mobility of its own, 1 / m = w^2 / m_a + (1 - w)^2 /
-m_b: others treat it as a node of the mass m. With
-
-    f = m (w f_a / m_a + (1 - w) f_b / m_b)
-
-in state.f_int the membrane's own mover moves it as the chains move, and the guard's forecast of its
-place is exact. By how much its velocity is then another one than that of its chains tells what it
-was pushed by in the step. The zone therefore makes one step in one of its ply.
+At the crossing (i, j) at rest the zone gives x = w x_a + (1 - w) x_b of a node a of its warp yarn and b of
+its weft yarn, w = A_weft / (A_warp + A_weft) by the amplitudes, so that it is at mid-height at rest.
+No node of a chain belongs to two shadow nodes: others treat it as a node of the mass m, 1 / m =
+w^2 / m_a + (1 - w)^2 / m_b. With f = m (w f_a / m_a + (1 - w) f_b / m_b) in state.f_int the membrane's own
+mover moves it as the chains move, and the guard's forecast is exact. By how much its velocity is then
+another one than that of its chains tells what it was pushed by: the zone makes one step in one of its ply.
 """
 
 import numpy as np

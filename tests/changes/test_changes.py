@@ -27,6 +27,7 @@ MOST_FILES = {
     "force": 1,
     "key": 1,
     "report-column": 1,
+    "command": 3,
 }
 
 
@@ -69,7 +70,7 @@ def copy(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("name", ["key", "report-column"])
+@pytest.mark.parametrize("name", ["key", "report-column", "command"])
 def test_a_change_without_kernels_runs(name, copy):
     run_change(name, copy)
 

@@ -11,6 +11,7 @@ import sys
 
 import pytest
 
+from tests import printed_commands
 from tests.installed.conftest import run_in
 from tests.installed.packages import ROOT, SETTINGS
 
@@ -99,6 +100,15 @@ def test_shots_limits_and_paths_are_computed_saved_and_loaded(bare, tmp_path):
     told = [line for line in done.stderr.splitlines() if line.startswith("numbers alone are")]
     assert len(told) == 1
     assert told[0].endswith('pip install "weavecell[app]"')
+
+
+@pytest.mark.slow(20)
+def test_the_first_lines_of_readme_run(bare, tmp_path):
+    """Whoever has installed the wheel copies them, and reads what is printed below them."""
+    lines, output = [part.text for part in printed_commands.of("README.md")][:2]
+    done = bare(lines, at=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == output.split()
 
 
 def test_the_program_says_in_one_line_what_it_needs(bare, tmp_path):

@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 import yaml
 
 import fabrics
@@ -20,12 +21,12 @@ def test_all_files_have_the_version_of_the_code():
     assert date == found(r"^date-released: (.*)$", "CITATION.cff")[0]
 
 
-def test_what_is_unreleased_is_told_in_words_that_a_user_reads():
-    """What differs from the last release, not how it came to it: a line replaces what it outdates."""
-    (unreleased,) = re.findall(
-        r"## \[Unreleased\]\n(.*?)\n## ", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.DOTALL
-    )
-    assert len(unreleased.split()) <= 1500
+@pytest.mark.parametrize("place", [1, 2], ids=["unreleased", "newest release"])
+def test_what_is_new_is_told_in_words_that_a_user_reads(place):
+    """What differs from the release before, not how it came to it: a line replaces what it outdates."""
+    sections = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text("utf-8"), flags=re.MULTILINE)
+    assert sections[1].startswith("[Unreleased]")
+    assert len(sections[place].split()) <= 1500
 
 
 def test_the_conda_environment_has_what_the_package_needs():

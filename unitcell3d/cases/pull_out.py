@@ -1,19 +1,14 @@
-"""One yarn pulled through a crossover under transverse load, with friction: the threshold at which
-it slips.
+"""One yarn pulled through a crossover under transverse load, with friction: the threshold at which it
+slips.
 
-The transverse load is one of two: the crossing yarn is stretched by the displacement d of its ends,
-which presses the yarns together; or two platens without friction, one on the warp and one under the
-weft, press them together, which compresses their cross-sections. Then one yarn is moved along its
-axis, from sticking into full sliding, while d or the distance of the platens is held
-(`model.pull_out`). P is the axial force that it takes from the crossing yarn. The threshold T_f is
-P where the share of Coulomb's limit that the contact has mobilised reaches `SLIDING`; F_c is the
-contact force at that state, not that before the pull: the crossing yarn is drawn sideways by P and
-its tension rises. The law T_f = c0 + mu_eff F_c is fitted to several transverse loads
-(`fabrics.friction.pull_out`).
-
-P has two parts: the friction, and what the normal pressures take along the axis (P_geometric),
-which is all that there is without friction. A path without friction gives the same quantities at
-the same pull.
+The transverse load is that of the crossing yarn, stretched by the displacement d of its ends, or of
+two platens without friction. Then one yarn is moved along its axis (`model.pull_out`), from sticking
+into full sliding, while d or the distance of the platens is held. P is the axial force that it takes
+from the crossing yarn; the threshold T_f is P where the share of Coulomb's limit that the contact has
+mobilised reaches `SLIDING`, F_c the contact force at that state, not before the pull: the crossing yarn
+is drawn sideways by P and its tension rises. T_f = c0 + mu_eff F_c is fitted to several loads
+(`fabrics.friction.pull_out`). P has two parts: the friction, and what the normal pressures take along
+the axis (P_geometric), which a path without friction gives at the same pull.
 """
 
 from __future__ import annotations

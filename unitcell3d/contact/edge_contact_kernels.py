@@ -1,21 +1,13 @@
-"""Contact of two edges that cross: the sharp tips of two parallel neighbours, which meet at a
-point, not on a face.
+"""Contact of two edges that cross: the sharp tips of two parallel neighbours, which meet at a point, not
+on a face. Each edge is the C1 Catmull-Rom curve through its nodes; r = E - C at their closest points:
 
-Each edge is the C1 Catmull-Rom curve through its nodes, C(s) and E(t), and r = E - C at their
-closest points:
+    r . a = 0,   r . b = 0,   a = C',  b = E',   r = g n,   n = +-(a x b) / |a x b|
 
-    r . a = 0,   r . b = 0,   a = C',  b = E',   r = g n,   n = +-(a x b) / |a x b| from the first to the second.
+The force -p(g) A g_q, with the law of `surface_contact_kernels` and a constant area A, has a potential.
+With U = [-a . r_q; b . r_q], V = [-n . a_q; n . b_q], m = [[a.a, -a.b], [-a.b, b.b]], N = diag(-n . C'',
+n . E''), and L = m + g N, which needs no division by g,
 
-The force -p(g) A g_q with the pressure law of `surface_contact_kernels` and a constant area A is
-that of a potential. With the rows r_q (variation at fixed s, t), a_q, b_q, and
-
-    U = [-a . r_q; b . r_q],  V = [-n . a_q; n . b_q],  m = [[a.a, -a.b], [-a.b, b.b]],  N = diag(-n
-    . C'', n . E''),
-
-the gap varies by g_q = n . r_q, and, without the division by g that the distance itself would need,
-L = m + g N,
-
-    g_qq = U^T m^-1 N L^-1 U - U^T L^-1 V - V^T L^-1 U - g V^T L^-1 V.
+    g_q = n . r_q,    g_qq = U^T m^-1 N L^-1 U - U^T L^-1 V - V^T L^-1 U - g V^T L^-1 V
 """
 
 from __future__ import annotations

@@ -1,17 +1,14 @@
-"""Contact of two edges that run side by side: points of one on the curve of the other, with the normal
-in the plane.
+"""Contact of two edges that run side by side: points of one on the curve of the other, the normal in the
+plane. What meets is the flank: the mean place of the nodes from the yarn's middle to its tip, with the
+distance that it has from the tip at rest. The master is the C1 Catmull-Rom curve E(t) through those
+places, the slave point c the mean of those of an element; r = E - c without its vertical part:
 
-The sides are thin and soft at their tips, so what meets is the flank: the mean place of the nodes from the
-yarn's middle to its tip, with the distance that it has from the tip at rest. The master is the C1
-Catmull-Rom curve E(t) through those places, the slave point c the mean of those of an element; r = E - c
-and all that follows without its vertical part, with the two distances of the tips, o:
-
-    r . b = 0,   b = E',   r = (g + o) n,   n . toward > 0.
+    r . b = 0,   b = E',   r = (g + o) n,   n . toward > 0,   o: the two distances of the tips
 
 The force is that of the potential A P(g), P' = -p of `surface_contact_kernels`. With the rows R
 (variation of r at fixed t) and B (that of b), m = b . b, k = n . E'',
 
-    g_q = n . R,   t_q = -(b . R + (g + o) n . B) / (m + (g + o) k),   g_qq = n . B t_q - (b . R)(n . B + k t_q) / m.
+    g_q = n . R,  t_q = -(b . R + (g + o) n . B) / (m + (g + o) k),  g_qq = n . B t_q - (b . R)(n . B + k t_q) / m
 """
 
 from __future__ import annotations

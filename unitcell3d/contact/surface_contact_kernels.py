@@ -1,27 +1,13 @@
-"""Contact of points of one structured surface with the C1 surface (`surface_kernels`) near another.
+"""Contact of points of one structured surface with the C1 surface (`surface_kernels`) near another: force
+-p(g) A w dg, tangent of large sliding (Wriggers, Computational Contact Mechanics, chapter 4), Coulomb
+friction from where the point stuck when the last load step was accepted (docs/theory-cell.md, "The 3D
+crossover: contact"). Each side of a crossover is slave once, with half the penalty.
 
-The slave points are the Gauss points of the slave's bilinear faces, x = N_k x_k. For a point with
-closest point S(xi), x - S = g n (n: unit normal towards the slave side):
+With slave points x at the Gauss points of bilinear faces, x - S = g n, m_ab = S_,a . S_,b, k_ab = n . S_,ab,
+H = m - g k, D_a = S_,a . (dx - dS) and B_a = n . dS_,a:
 
-    S_,a . (x - S) = 0,   m_ab = S_,a . S_,b,   k_ab = n . S_,ab,   H_ab = m_ab - g k_ab
-    dg = n . (dx - dS)
-    D_a = S_,a . (dx - dS),   B_a = n . dS_,a,   dxi = H^-1 (D + g B)
-    d(dg) = - D_a m^ab (B_b + k_bc dxi_c) - B_a dxi_a
-
-The contact force is -p(g) A w(xi) dg with the area A of the point and the pressure (penalty k, C1
-toe of depth t)
-
-    p = 0 (g >= 0),  k g^2 / 2t (0 < -g < t),  k (-g - t/2) (-g > t).
-
-w is 1 on the master grid and falls to 0 within half a cell beyond a free edge (C1). The tangent is
-that of large sliding (e.g. Wriggers, Computational Contact Mechanics, chapter 4); each side of a
-crossover is slave once, with half the penalty. Coulomb friction (coefficient f, regularisation slip
-s; Laursen and Simo 1993) adds the traction -tau:
-
-    v = S_,a (xi_a - anchor_a),   tau = f p v / max(|v|, s).
-
-The anchor is where the point stuck when the last load step was accepted (docs/theory-cell.md, "The
-3D crossover: contact").
+    S_,a . (x - S) = 0,   dg = n . (dx - dS),   dxi = H^-1 (D + g B)
+    d(dg) = - D_a m^ab (B_b + k_bc dxi_c) - B_a dxi_a,   v = S_,a (xi_a - anchor_a),  tau = f p v / max(|v|, s)
 """
 
 from __future__ import annotations

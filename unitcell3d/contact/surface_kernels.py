@@ -1,20 +1,14 @@
-"""A C1 surface near a structured grid of nodes, whose every cell hands each of its corners the same
-share.
+"""A C1 surface near a structured grid of nodes, whose every cell hands each of its corners the same share.
+Along each direction it is the mean of the Catmull-Rom and the uniform cubic B-spline of the nodes: with t
+in 0 .. 1 between the two middle nodes of four,
 
-Along each direction the surface is the mean of the Catmull-Rom and the uniform cubic B-spline of
-the nodes: with t in 0 .. 1 between the two middle nodes of four,
+    12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4 t^3.
 
-    12 w = 1 - 6 t + 9 t^2 - 4 t^3,  10 - 21 t^2 + 12 t^3,  1 + 6 t + 15 t^2 - 12 t^3,  - 3 t^2 + 4
-    t^3.
-
-These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on
-four nodes this is the one on which a uniform pressure loads the nodes as it loads the bilinear
-faces of bricks, at the edges of a grid too, so that a contact patch test can be passed. (The
-Catmull-Rom spline, which goes through the nodes, takes a twelfth of a cell's load from each edge.)
-The surface lies off the nodes by h^2 curvature / 12, as the mean of the facets does.
-
-Beyond the edge of the grid stands a phantom row: the mirror image on a symmetry plane, the straight
-continuation elsewhere; it folds back into weights of the real nodes.
+These integrate over the cell to 0, 1/2, 1/2, 0, as linear shape functions do: of all C1 cubics on four
+nodes the one on which a uniform pressure loads the nodes as it loads bricks, at edges too, so that a patch
+test can be passed (Catmull-Rom alone takes a twelfth of a cell's load from each edge). It lies off the
+nodes by h^2 curvature / 12. Beyond an edge stands a phantom row, the mirror image on a symmetry plane, the
+straight continuation elsewhere, folded back into weights of the real nodes.
 """
 
 from __future__ import annotations

@@ -1,18 +1,13 @@
-"""Loads of a crossover along the strains of biaxial tests, for one trial of the solid's constants
-after another.
-
-A test is followed at `STATIONS` equal parts of its largest strain along its own direction. Each
-equilibrium also gives the derivatives of both loads by the constants x and by the end displacements
-d, from the tangent that Newton's method has anyway,
+"""Loads of a crossover along the strains of biaxial tests, for one trial of the solid's constants after
+another. A test is followed at `STATIONS` equal parts of its largest strain. Each equilibrium gives the
+derivatives of both loads by the constants x and the end displacements d, from Newton's own tangent,
 
     dq/dp = -K^-1 dr/dp,    dT/dp = (dT/dq) dq/dp + (dT/dp at fixed q),    p in x, d,
 
-so that a trial has its Jacobian without another trial. Loads at the measured strains are those of
-monotone cubics between the stations, and of the derivatives by d for what a measured strain is off
-the straight line. The first trial is loaded from rest; the next begin, station by station, with the
-equilibria of an earlier one and their derivatives. One that is too far for this, as where yarns become
-all but fluid, has no equilibria: what steps there is to take a shorter step, which costs less than to
-load it from rest.
+so that a trial has its Jacobian. Loads at the measured strains are those of monotone cubics between the
+stations, and of the derivatives by d for what a strain is off the straight line. The first trial is loaded
+from rest; the next begin, station by station, with equilibria of an earlier one and their derivatives. One
+too far for this has no equilibria, and a shorter step is taken.
 """
 
 from __future__ import annotations

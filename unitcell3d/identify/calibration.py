@@ -1,19 +1,13 @@
-"""What a calibration found: the laws fitted to the paths of a crossover, their intervals, and how
-far the paths differ.
-
-Biaxial paths to fibre failure give pairs (F_c, d_c) of the contact force of the crossover and the
-compression of one yarn, d_c = (h01 + h02 - h1 - h2) / 2 (thesis eq. 4-13 with one law for both
-yarns, errata E-05, E-40). The regularised form
+"""What a calibration found: the laws fitted to the paths of a crossover, their intervals, and how far the
+paths differ. Paths give pairs (F_c, d_c) of contact force and compression of one yarn, d_c = (h01 + h02 -
+h1 - h2) / 2 (thesis eq. 4-13, errata E-05, E-40), sampled at equal shares of displacement. To all is fitted
 
     d_c = a - b / (F_c + F0)^(1/3),  F0 = (b/a)^3
 
-is fitted to all of them together, each path sampled at equal shares of its displacement so that the
-stepping has no say in it. A fit of the printed form would depend on a force cut-off. Two more fits
-say what one law leaves out: one of each yarn to its own compression at the crossing, and one that
-depends on the tension ratio too (`ratio_law`), the one to use where one law leaves more than
-`ONE_LAW`. The compression d_c holds also what closes between the yarns where their sections do not
-conform; each yarn's own does not. Plates give another curve than stretching does: they flatten
-slack yarns. That curve is the contact law of plies of a pack (`contact`).
+(the printed form would depend on a force cut-off); also each yarn's own compression, and a law of the
+tension ratio (`ratio_law`), the one to use where one law leaves more than `ONE_LAW`. d_c holds also what
+closes between sections that do not conform; each yarn's own does not. Plates flatten slack yarns: their
+curve is the contact law of plies of a pack (`contact`).
 """
 
 from __future__ import annotations

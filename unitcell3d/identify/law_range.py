@@ -1,18 +1,12 @@
-"""The range of a compression law: how a and b move together over what is not known of the crossover.
+"""The range of a compression law: how a and b move together over what is not known of the crossover: the
+constants of an assumed solid, or what measurements leave open of a fitted one; thickness and warp's share
+behind an unknown crimp; whose fibre fraction the solid has; the mesh. For each end of each the paths are
+solved on the mesh `SIZE`, and a law is fitted. What counts is its ratio to the law of the best values there,
 
-Unknown are the constants of an assumed solid, each at both ends of its range, or what measurements
-leave open of a fitted one, on the principal directions of their covariance; the thickness and the
-warp's share of it that an unknown crimp follows from, or the range of a given crimp; whose fibre
-fraction the solid has; and the mesh. For each end of each the paths of the calibration are solved
-on the mesh `SIZE`, and a law is fitted. What counts is its ratio to the law of the best values on
-that mesh,
+    e = (ln a' / a, ln b' / b),    covariance = sum of e e^T / z^2,   z = 1.96: ends are those of 95 %
 
-    e = (ln a' / a, ln b' / b),    covariance = sum of e e^T / z^2,
-
-with z = 1.96, since an end is taken for that of 95 %. Of the two ends of an unknown the farther one
-counts, and of the other the part of e that is not along that: ranges are not symmetric about the
-best value, and what is drawn shall reach both ends. The covariance goes with the law
-(`CompressionLaw.spread`): a and b that are drawn belong together.
+Of the two ends the farther one counts, and of the other the part of e that is not along that: ranges are
+not symmetric, and what is drawn shall reach both. The covariance goes with the law (`CompressionLaw.spread`).
 """
 
 from __future__ import annotations

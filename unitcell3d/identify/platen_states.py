@@ -1,20 +1,14 @@
-"""Equilibria of a crossover between platens at given pressures, for one trial of the solid's
-constants after another.
-
-Without friction an equilibrium depends on the load and the constants alone, not on the way there.
-So only the first trial is loaded from rest; the next starts, pressure by pressure, from the
-equilibrium of an earlier trial x and its derivatives
+"""Equilibria of a crossover between platens at given pressures, for one trial of the solid's constants after
+another. Without friction an equilibrium depends on load and constants alone: only the first trial is loaded
+from rest; the next starts, pressure by pressure, from that of an earlier trial x and its derivatives
 
     dq/dx = -K^-1 dr/dx at a fixed distance of the platens,    dq/dh = -K^-1 dr/dh,
 
-K being the tangent that Newton's method has anyway, dr/dx and dr/dh differences of the residual.
-The same derivatives give those of the pressure, d ln P/dx and d ln P/dh, and so the Jacobian of the
-closures at fixed pressure,
+K being Newton's tangent, dr/dx and dr/dh differences of the residual. They give those of the pressure, and so
 
     dc/dx = 2 (d ln P/dx) / (d ln P/dh),    c = 2 (h_rest - h),
 
-without another trial. A step in x that is too long for this is halved; where even an eighth of it
-fails, the trial is loaded from rest.
+the Jacobian of the closures. A step in x that is too long is halved; where an eighth fails, it is loaded from rest.
 """
 
 from __future__ import annotations

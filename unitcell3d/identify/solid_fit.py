@@ -1,37 +1,12 @@
-"""E_c, V_c and K_r of the solid yarn from measurements: a compression between platens (thesis
-section 3.4.3.2), biaxial tests, or both.
+"""E_c, V_c and K_r of the solid yarn from measurements: a compression between platens (thesis section 3.4.3.2), biaxial
+tests, or both. Least squares over the logarithms of both yarns together, so that no bound is needed,
 
-Least squares over the logarithms
+    x = (ln E_c, ln (V_c - Vf0), ln K_r)        Vf0: the denser yarn's; K_r is kept below 1/2
 
-    x = (ln E_c, ln (V_c - Vf0), ln K_r)
-
-of both yarns together (Vf0: the denser yarn's), so that no bound is needed: E_c > 0, V_c > Vf0, K_r
-> 0; K_r is kept below 1/2. G follows E_c (eq. 3-16).
-
-Platens (`_Platens`): what they close is compared with the curve at `POINTS` of its pressures. No
-test gives the thickness at rest or the moment of first touch well, so the curve is free to be moved
-as a whole: the mean of the misfit is taken out. The closures have weights 1 / sqrt(s^2 +
-RESOLUTION^2), s being the closure that a `PRESSURE_ERROR` stands for, so that relative errors in
-pressure count about equally.
-
-Biaxial tests (`_Pulls`): loads of the chosen tests, over the greatest of their family. Where there is
-more than one kind of evidence, its errors are found by fitting again.
-
-Errors of platens, of loads of the warp and of the weft are the rms misfits of each, over their share
-of the degrees of freedom, but at least what an instrument and a mesh can tell.
-
-Each trial starts from the equilibria of an earlier one, which give the Jacobian as well
-(`platen_states`, `biaxial_states`). The result is computed once more on a finer mesh, loaded from
-rest.
-
-Intervals come from the covariance (`solid_record`). Since its Jacobian is that of the solution, and
-a constant that is not determined goes far from it, two points are also sought on each principal
-direction of the covariance where the sum of squares itself has risen by what 95 % allow,
-F(1, n - p - 1) s^2: `SolidFit.limits`, from which the intervals of what follows from the constants
-are taken. An interval of a constant is at least as wide as the two points of all directions make it,
-added as squares, and has no end where one of them was not found. Those of constants that tests do
-not tell well, whose valley is bent, are those of the profile: where the least sum of squares over the
-other constants has risen by t^2.
+G follows E_c (eq. 3-16). Each trial starts from the equilibria of an earlier one, which give the Jacobian as well
+(`platen_states`, `biaxial_states`). Errors of platens, of loads of the warp and of the weft are the rms misfits of
+each, over their share of the degrees of freedom, but at least what an instrument and a mesh can tell. The result is
+computed once more on a finer mesh, loaded from rest. Intervals: `solid_record`.
 """
 
 from __future__ import annotations
@@ -93,6 +68,15 @@ def fit_solid(
 ) -> SolidFit:
     """Fit E_c, V_c and K_r of both yarns to a plate curve, biaxial tests, or both.
 
+    Intervals come from the covariance (`solid_record`). Since its Jacobian is that of the solution,
+    and a constant that is not determined goes far from it, two points are also sought on each
+    principal direction of the covariance where the sum of squares itself has risen by what 95 %
+    allow, F(1, n - p - 1) s^2: `SolidFit.limits`, from which the intervals of what follows from the
+    constants are taken. An interval of a constant is at least as wide as the two points of all
+    directions make it, added as squares, and has no end where one of them was not found. Those of
+    constants that tests do not tell well, whose valley is bent, are those of the profile: where the
+    least sum of squares over the other constants has risen by t^2.
+
     Parameters
     ----------
     fabric : Fabric, with solid laws to start from
@@ -129,7 +113,13 @@ def fit_solid(
 
 
 class _Platens:
-    """A plate curve as evidence of the constants: closures against pressures."""
+    """A plate curve as evidence of the constants: closures against pressures.
+
+    What platens close is compared with the curve at `POINTS` of its pressures. No test gives the
+    thickness at rest or the moment of first touch well, so the mean of the misfit is taken out. The
+    closures have weights 1 / sqrt(s^2 + RESOLUTION^2), s the closure that a `PRESSURE_ERROR` stands
+    for: relative errors in pressure count about equally.
+    """
 
     def __init__(self, curve, mesh, fabric, with_constants):
         self.curve = curve
@@ -180,7 +170,11 @@ class _Platens:
 
 
 class _Pulls:
-    """Biaxial tests as evidence of the constants: loads against strains."""
+    """Biaxial tests as evidence of the constants: loads against strains.
+
+    Loads are taken over the greatest of their family. Where there is more than one kind of
+    evidence, its errors are found by fitting again.
+    """
 
     offsets = 0
 

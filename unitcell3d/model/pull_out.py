@@ -1,21 +1,14 @@
 """A whole crossover through which one of its yarns is pulled along its own axis.
 
-The pulled yarn p carries on beyond the cell: a plain weave repeats after one crossing, turned
-upside down (a glide plane along the yarn), and keeps that repetition while one yarn is pulled
-through all the others. With u the displacements of its end faces, k counted through the thickness
-from the middle,
+The pulled yarn p carries on beyond the cell by the glide plane of a plain weave. With u the displacements
+of its end faces, k counted through the thickness from the middle, s the pull and d_p the end displacement,
 
     u_axial(+, k) - (s + d_p) = u_axial(-, -k) - (s - d_p) = -(u_axial(+, -k) - (s + d_p)),
-    u_z(+, k) = -u_z(-, -k),    u_width(+, k) = u_width(-, -k),
+    u_z(+, k) = -u_z(-, -k),    u_width(+, k) = u_width(-, -k)
 
-where s is the pull and d_p the end displacement of the biaxial paths. The crimp can travel along
-the yarn: the yarn's material follows the path of its own centreline, which an end face held at its
-height could not. The tension grows from the end that is left behind to the end that is pulled by
-the axial force P that the crossing yarn takes.
-
-The crossing yarn is held by the fabric: its end faces have the weave's two-fold axis, as in the
-biaxial paths (`assembly.constraints`), and no mean displacement across the yarn, so that it takes P
-by its tension, as a string.
+The crimp can travel along the yarn, and the tension grows by the axial force P that the crossing yarn takes.
+That is held by the fabric: its end faces have the weave's two-fold axis (`assembly.constraints`) and no mean
+displacement across the yarn, so that it takes P by its tension, as a string.
 """
 
 from __future__ import annotations

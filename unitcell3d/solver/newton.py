@@ -1,32 +1,13 @@
-"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between
-factorisations.
+"""Equilibrium at one load: Newton's method in pseudo-time, with Broyden's updates between factorisations.
 
     (K + mu I) dq = -r,   mu <- mu |r_new| / |r_old|
 
-Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact): the tip of a slack yarn
-buckles and snaps. A plain Newton step then throws nodes by a tenth of a millimetre, and a line
-search that insists on a falling residual stalls, because the residual is that of the stiff contact.
-The shift mu (backward Euler in a pseudo-time, Kelley and Keyes 1998) holds the soft modes while the
-stiff ones settle and dies out with the residual, so the last iterations are quadratic; no node
-moves by more than `LARGEST_STEP` in one iteration, and where a step is cut to that the shift grows
-by as much. Where a guess is far from equilibrium the contact is soft at first (`Newton.approach`).
+Slack fibres leave soft modes (below 1 N/m against 1e5 N/m of the contact), which the shift mu (backward Euler
+in a pseudo-time, Kelley and Keyes 1998) holds while the stiff ones settle: it dies out with the residual. No
+node moves by more than `LARGEST_STEP` in one iteration. A step is shortened where it overshoots.
 
-A step is shortened where it overshoots: where the residual's pull along it has turned round, r(q +
-dq) . dq > -1/2 r . dq, to where that has gone (false position and bisection in turn). The law is
-all but a potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the least
-energy on the line; a residual that grows on the way, as it does where yarns swing taut, does not
-stop it. Fibres at their slack kink and contact that closes otherwise send Newton's method round in
-cycles. The shift grows with the inverse root of the rest of a step.
-
-A factorisation costs as much as thirty of its back substitutions. Once the residual is below `NEAR`
-of the forces, the last factorisation, of an earlier load even, is used on and corrected by the
-steps taken since (Broyden's update in the form that stores steps alone: Kelley, Iterative Methods
-for Linear and Nonlinear Equations, 1995, section 7.3), until `MOST_SLOW` steps have taken off less
-than 1 - `SLOW` of the residual. The state that is found is the same: only the way to it is cheaper.
-
-Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end
-tensions, contact, plates), each taken on the meshed part: without tension the plate force is the
-measure.
+Converged when |r| <= 1e-8 of the largest of the forces that hold the crossover together (end tensions,
+contact, plates), each taken on the meshed part: without tension the plate force is the measure.
 """
 
 from __future__ import annotations
@@ -98,6 +79,22 @@ class Equilibrium:
 class Newton:
     """Solves one model's equilibrium; keeps its linear solver and last factorisation from one load
     to the next.
+
+    A plain Newton step throws nodes of slack yarns by a tenth of a millimetre, and a line search
+    that insists on a falling residual stalls, because the residual is that of the stiff contact.
+    Where a step is cut to the largest the shift grows by as much. Where a guess is far from
+    equilibrium the contact is soft at first (`approach`).
+
+    A step overshoots where the residual's pull along it has turned round, r(q + dq) . dq > -1/2 r .
+    dq, and is shortened to where that has gone (false position and bisection in turn). The law is
+    all but a potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the
+    least energy on the line; fibres at their slack kink and contact that closes otherwise send
+    Newton's method round in cycles. The shift grows with the inverse root of the rest of a step.
+
+    A factorisation costs as much as thirty back substitutions. Once the residual is below `NEAR` of
+    the forces, the last one is used on and corrected by the steps since (Kelley, Iterative Methods
+    for Linear and Nonlinear Equations, 1995, section 7.3), until `MOST_SLOW` steps have taken off
+    less than 1 - `SLOW` of the residual. The state that is found is the same.
 
     Parameters
     ----------

@@ -1,29 +1,6 @@
-"""The claims of the thesis as data: what is claimed, where, the runs it takes, and what would bear it out.
-
-claims.toml has the claims that were listed before anything was computed; additional.toml has those that were added
-later, among them earlier, weaker readings of a claim that is now held against what the thesis states. Their keys are
-the fields of `Claim`.
-
-`run.NAME` is a run: its kind (a function of `runs`) with what it is made of, and keywords of that function, as
-`run.less = { shot = "S-728", velocity = "100 m/s", change = { modulus = 0.8 } }`. With `for`, a list or the name of
-one, it is a dict of runs, one an entry, which stands for "{}" in the values. A text that begins with "=" is an
-expression.
-
-`expect` has conditions "NAME: EXPRESSION", or "NAME" of what an earlier one has found, with
-
-    = 0.12 mm +- 0.005 mm, = 255.2 g/m2 +- 3 %   |found - value| <= tolerance, or <= the share of |value|
-    > 4.3 %, < 5 us                              in the unit, a unit of UNITS or none
-    is S-720, is ['weft', 'warp'], is True       equal: a text, a list in order, or true
-
-`reading.NAME` are further conditions, of one reading of a sentence that leaves something open, which `undecided` names
-(a window, a level, a length). All readings are judged. Where they differ the claim is open: nobody chooses the one that
-turns.
-
-An expression is Python over the names of `readers`, the functions of `checks`, the runs, and the values of `let`,
-which are evaluated first, in their order. A number with a unit ("60 us") is one in SI.
-
-`each` makes one claim for each entry of its lists of one length: "{fabric}" in any text, and for a text that is nothing
-else the value itself. With `fabric` there is "{tag}" for the id: "s720" of "S-720".
+"""The claims of the thesis as data (entries of a claim: `Claim`): what is claimed, where, the runs it takes, and what
+would bear it out. claims.toml has the claims that were listed before anything was computed; additional.toml has those
+that were added later, among them earlier, weaker readings of a claim that is now held against what the thesis states.
 """
 
 from __future__ import annotations
@@ -101,6 +78,27 @@ class Run:
 @dataclass(frozen=True)
 class Claim:
     """One claim: it has conditions; or it is not testable; or what it needs is not built yet.
+
+    `run.NAME` is a run: its kind (a function of `runs`) with what it is made of, and keywords of
+    that function, as `run.less = { shot = "S-728", velocity = "100 m/s", change = { modulus = 0.8 }
+    }`. With `for`, a list or the name of one, it is a dict of runs, one an entry, which stands for
+    "{}" in the values. A text that begins with "=" is an expression.
+
+    `expect` has conditions "NAME: EXPRESSION", or "NAME" of what an earlier one has found, with
+
+        = 0.12 mm +- 0.005 mm, = 255.2 g/m2 +- 3 %   |found - value| <= tolerance, or its share of |value|
+        > 4.3 %, < 5 us                              in the unit, a unit of UNITS or none
+        is S-720, is ['weft', 'warp'], is True       equal: a text, a list in order, or true
+
+    `reading.NAME` are further conditions, of one reading of a sentence that leaves something open,
+    which `undecided` names (a window, a level, a length). All readings are judged. Where they
+    differ the claim is open.
+
+    An expression is Python over the names of `readers`, the functions of `checks`, the runs, and
+    the values of `let`, which are evaluated first, in their order. A number with a unit ("60 us")
+    is one in SI. `each` makes one claim for each entry of its lists of one length: "{fabric}" in
+    any text, and for a text that is nothing else the value itself. With `fabric` there is "{tag}"
+    for the id: "s720" of "S-720".
 
     Parameters
     ----------

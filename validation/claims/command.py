@@ -3,16 +3,12 @@
     python -m validation claims --topics impact1 cell
     python -m validation claims biaxial-balanced-free --turned
 
-A missed claim is a result, not an error; a result other than the recorded one ends with exit code 1. Claims that rest
-on shots at one ply are judged as computed and in four variants: the cell formulation of the thesis, nominal denier, 2
-elements per crossover, elastic-plastic bored projectile.
-
-claims.csv has every claim with its verdict, our number beside the thesis's. `--out docs/reports/data` renews that of
-the documentation; then `python tools/pages.py`. Claims that are named are printed with what was computed.
-
-`--find-turns` looks for an input whose change by a tenth turns the verdict of each (`turns`), and writes
-claims-turns.csv; `--turned` judges with the change that this file of the documentation has. What is computed is kept in
-results/claims, and taken from there by the same code.
+A missed claim is a result; one other than the recorded one ends with exit code 1. Claims on shots at one ply are
+judged as computed and in four variants: the thesis's cell formulation, nominal denier, 2 elements per crossover,
+elastic-plastic bored projectile. claims.csv has every claim with its verdict; `--out docs/reports/data` renews that
+of the documentation, then `python tools/pages.py`. `--find-turns` looks for an input whose change by a tenth turns
+each verdict (`turns`), into claims-turns.csv; `--turned` judges with that change. What is computed is kept in
+results/claims.
 """
 
 from __future__ import annotations

@@ -1,19 +1,14 @@
 """The calibration of the 3D crossover.
 
 The folder of `weavecell calibrate`
-    solid.json          with --platen-curve or --fit-solid: E_c, V_c, K_r and what the measurements
-                        determine
-    fabric-keys.toml    with the same: the fitted solid as a fabric file has it
-    surface.h5          with --biaxial and --fit-solid: the response surface of the fitted solid, for
-                        `fabric.surface` of a shot
+    law.json            the fitted law with its range, for `law`, and the contact law of plies of a pack
     law-range.json      the laws at the ends of all that is not known of the crossover
-    solid-runs          finished runs of these, for --resume
-    law.json            the fitted law with its range, for `law` in an input file, and the contact
-                        law of plies of a pack
     calibration.json    all numbers of the calibration, and provenance.json where they come from
-    paths.csv           these paths in one table
-    <path>.h5           histories of the loading paths and of the compression between plates
+    <path>.h5           histories of the loading paths and between plates; paths.csv, one table of them
     crossover.*         the mesh, as `weavecell mesh` writes it, with quality.png and mesh.json
+    solid.json, fabric-keys.toml  fitted solid (--platen-curve, --fit-solid), the second as a fabric file has it
+    surface.h5          response surface of the solid (--biaxial with --fit-solid), for `fabric.surface`
+    solid-runs          finished runs of the fit, for --resume
     report.html
 """
 

@@ -3,19 +3,12 @@
 The folder of `weavecell coupon`
     scene.toml      the input file as it was given
     inputs/         copies of the files that the input file names
-    histories.h5    measures, nodes and shear after every step, tensions at the end
-                    (`results.coupon`)
-    coupon.csv      the measures as a table, one row a step or a sample of the load
+    histories.h5    measures, nodes and shear after every step, tensions at the end (`results.coupon`)
+    coupon.csv      the measures as a table, one row a step or, of a pull-out, a sample of the load
     summary.json    outcome, measures at the end, provenance
     pictures/       coupon.png, and curves (.svg)
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
-                    it
-
-A pull-out has no load steps and no checkpoint: its histories.h5 holds the samples of the load.
-
-Everything but the checkpoint is written when the run has ended, also if it ended by becoming
-unstable.
+    checkpoint.h5   only while the run goes on, or after it was interrupted, for --resume; of no pull-out
 """
 
 from __future__ import annotations

@@ -1,7 +1,5 @@
-"""The 3D crossover under a load: a function, and a command, for each case.
-
-The fabric has the linear density of its data sheet. A case that finds no equilibrium keeps what it
-has computed and ends with exit code 3. All cases need dolfinx and PETSc.
+"""The 3D crossover under a load: a function, and a command, for each case (`CasePlan`). All need
+dolfinx and PETSc. A case that finds no equilibrium keeps what it has and ends with exit code 3.
 
 The folder of `weavecell crossover`
     case.h5     every converged state: columns with their meanings (`fabrics.base.record`)
@@ -9,8 +7,6 @@ The folder of `weavecell crossover`
     case.json   settings, results, provenance
     pictures/   curve.svg, deformed.png
 
-Examples
---------
 >>> sheared = wc.crossover.shear("S-720", shear_angle="50 deg", mesh="coarse")  # doctest: +SKIP
 >>> sheared.record["tau"].max()  # [Pa]  # doctest: +SKIP
 """

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 @public
 def export(
     target: Fabric | FilePath | ImpactSetup,
-    to: Literal["lsdyna", "radioss"],
+    to: str,
     out: FilePath,
     *,
     units: Literal["kg-m-s", "g-mm-ms"] = "kg-m-s",
@@ -53,7 +53,7 @@ def export(
     ----------
     target : input file of a ply or pack, name of a fabric or its file; in Python also a Fabric, or
         a set-up of `setup`
-    to : code that the deck is for: lsdyna or radioss
+    to : code that the deck is for: lsdyna, radioss, or one that an installed package adds
     out : folder of the deck
     units : consistent units of the deck: kg-m-s or g-mm-ms
     match : what the law is nearest to: the cell over the biaxial plane (plane), or in uniaxial
@@ -79,7 +79,7 @@ def export(
 
     folder.check(to, units, match)
     panel = resolve_target(target, {}, "export")
-    code = folder.CODES[to]
+    code = folder.codes()[to]
     if panel.from_file:
         stem = Path(panel.name).stem
     else:

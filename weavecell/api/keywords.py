@@ -97,6 +97,8 @@ class Keywords(TypedDict, total=False):
         yarns in a zone about the nose, which may slip and be pushed aside, and pinned beyond it;
         auto, as a command does where nothing is said, resolves them if a zone of them fits (a shot,
         a limit, a V50); one of "pinned", "yarns", "auto"
+    parts : parts of each ply that installed packages add, by name; a table { foundation = {
+        stiffness = "2e10 N/m^3" } }
     plies : number of plies; above 1 a pack with contact between plies; a whole number from 1 to 100
     stacking : pack: all plies alike, or every second turned by 90 deg; one of "aligned",
         "alternating"
@@ -155,6 +157,7 @@ class Keywords(TypedDict, total=False):
     length_effect: bool
     grading: list[list[Number | str]] | tuple[tuple[Number | str, Number | str], ...] | None
     crossovers: Literal["pinned", "yarns", "auto"]
+    parts: Mapping[str, Mapping[str, Quantity]] | None
     plies: int
     stacking: Literal["aligned", "alternating"]
     ply_gap: Quantity | None
@@ -374,7 +377,8 @@ def _text(value, entry):
 
     if isinstance(value, dict):
         fields = _fields(entry)
-        return {key: _text(part, fields[key]) for key, part in value.items()}
+        # numbers of parts that installed packages add are of no table
+        return {key: _text(part, fields.get(key, entry)) for key, part in value.items()}
     if isinstance(value, list):
         return [_text(part, entry) for part in value]
     unit = unit_of(entry)

@@ -1,19 +1,14 @@
 """Tests of a laboratory, alone and beside what is computed.
 
 The folder of `weavecell reduce tests`
-    comparison.json      V50 of the tests, computed critical velocity, residual velocities, with
-                         intervals, provenance
-    shots.csv            every test with the computed outcome and residual velocity
+    comparison.json      V50 of the tests, computed limit, residual velocities, intervals, provenance
+    shots.csv            every test, with the computed outcome and residual velocity
     comparison.svg       residual against strike velocity, tested and computed
     report.html          all of it on one page
     scene.toml           the input file
     inputs/              copies of the files that the input file names
-
-Of tests alone
-    tests.json           V10, V50 and V90, V50 of six shots, Lambert-Jonas fit, with intervals,
-                         provenance
-    shots.csv            every test
-    tests.svg            residual against strike velocity
+    tests.json           of tests alone: V10, V50, V90, V50 of six shots, Lambert-Jonas fit, provenance
+    tests.svg            of tests alone: residual against strike velocity
 """
 
 from __future__ import annotations

@@ -133,6 +133,14 @@ def fabrics(*, out: FilePath | None = None) -> DataFrame:
     return _tabulate("fabric", rows, out)
 
 
+# (key of a projectile, SI unit, column in thousandths of it)
+_SIZES = (
+    ("mass", "kg", "mass [g]"),
+    ("diameter", "m", "diameter [mm]"),
+    ("length", "m", "length [mm]"),
+)
+
+
 @public
 def projectiles(*, out: FilePath | None = None) -> DataFrame:
     """List the fragment simulators, cylinders, spheres and bullets that an input file may name, a
@@ -151,17 +159,16 @@ def projectiles(*, out: FilePath | None = None) -> DataFrame:
     for name in projectile_data.list_names():
         shape, data = projectile_data.entry(name)
         metals = [data[key]["value"] for key in ("core", "jacket") if key in data]
-        rows[name] = {
-            "nose": shape,
-            "mass [g]": 1e3 * si(data["mass"]["value"], "kg"),
-            "diameter [mm]": 1e3 * si(data["diameter"]["value"], "m"),
-        }
-        # a sphere has no length
-        if "length" in data:
-            rows[name]["length [mm]"] = 1e3 * si(data["length"]["value"], "m")
-        rows[name]["metal"] = " in ".join(metals) or "steel, rigid"
+        row: dict[str, str | float] = {"nose": shape}
+        # a sphere has no length, a body of an STL file no diameter
+        for key, unit, column in _SIZES:
+            if key in data:
+                row[column] = 1e3 * si(data[key]["value"], unit)
+        rigid = "steel, rigid" if name in projectile_data.TABLES.own else "rigid"
+        row["metal"] = " in ".join(metals) or rigid
         assumed_keys = [key for key in assumed_of(data) if key != "mass_tolerance"]
-        rows[name]["assumed"] = ", ".join(assumed_keys).replace("_", " ") or "nothing"
+        row["assumed"] = ", ".join(assumed_keys).replace("_", " ") or "nothing"
+        rows[name] = row
     return _tabulate("projectile", rows, out)
 
 
@@ -295,7 +302,7 @@ def _projectile(name, out):
     title = f"{name}, {SHAPES[shape].words}"
     if "core" not in data:
         _refuse_folder(out)
-        if name in projectile_data.list_names():
+        if name in projectile_data.TABLES.own:
             title += f" of steel of {1e-3 * projectile_data.density():g} g/cm³"
         return Tables({title: _sources(data)})
     body = _body_of(name)
@@ -446,15 +453,11 @@ def _copy(name, folder):
     there."""
     target = folder / f"{name}.toml"
     files.refuse_existing(target)
-    source = Path(catalogue.__file__).parent / f"{name}.toml"
-    if not source.exists():
-        raise InputError(
-            key="fabric",
-            value=name,
-            allowed=f"one of {', '.join(catalogue.list_names())} to be copied",
-        )
+    if name not in catalogue.list_names():
+        allowed = f"one of {', '.join(catalogue.list_names())} to be copied"
+        raise InputError(key="fabric", value=name, allowed=allowed)
     with files.replace_whole(target) as beside:
-        shutil.copyfile(source, beside)
+        shutil.copyfile(catalogue.list_files()[name], beside)
 
 
 def _new_toml(file: FilePath) -> Path:

@@ -1,17 +1,12 @@
-"""Records of a laboratory, reduced: compression of plies between platens, and the flight of a
-projectile.
+"""Records of a laboratory, reduced: compression between platens, and the flight of a projectile.
 
-The folder of `weavecell reduce compression`
-    compression.json     K'', n and the room left of each pack, a and b, the gap between plies, with
-                         intervals, provenance
+The folder of `weavecell reduce compression` and `reduce shot`
+    compression.json     K'', n, room left of each pack, a, b, gap between plies, intervals, provenance
     packs.csv            the laws of each record, n free and n = 3
     platen-curve.csv     one ply without the rig, for `weavecell calibrate --platen-curve`
     fabric-keys.toml     what of it a fabric file takes
     compression.svg      records and fitted laws
-
-Of `weavecell reduce shot`
-    shot.json            strike and last velocity, absorbed energy, greatest force, noise,
-                         bandwidth, provenance
+    shot.json            strike and last velocity, absorbed energy, greatest force, noise, provenance
     motion.csv           displacement, velocity, energy and force at each instant, with errors
     motion.svg           the same
 """

@@ -1,16 +1,11 @@
 """What an impact or a study would take: elements, steps, memory and time, and what is assumed.
 Nothing is run.
 
-The CPU time of a step is that of `COSTS`, measured on one core (one ply of S-720, 2 and 4 plies of
-S-726 and S-728, clay and gelatine; 60 to 600 us): intact plies cost the lower value, torn ones up
-to the higher. Plies of a pack cost something whatever their elements, and more under a body of
-metal: 84 short shots at packs of 2 and 3 plies. A run ends earlier where the projectile stops or has
-passed: `forecast_flight`.
-
-A shot of a study ends with its outcome, after `DURATION` times what a projectile of the first guess
-of the limit takes over half of the opening. These factors and the shots that enclose a limit are
-estimates, looked at beside one run of `v50`: 4.7 to 70 s for 18 s. A search then halves its first
-step until the bracket is as narrow as is asked.
+The CPU time of a step is that of `COSTS`, measured on one core: intact plies cost the lower value,
+torn ones up to the higher. Plies of a pack cost something whatever their elements, and more under a
+body of metal: 84 short shots at packs of 2 and 3 plies. A shot of a study ends after `DURATION`
+times what a projectile of the first guess of the limit takes over half of the opening. These factors
+and the shots that enclose a limit are estimates: 4.7 to 70 s for a `v50` of 18 s.
 """
 
 from __future__ import annotations

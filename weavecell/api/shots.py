@@ -1,27 +1,15 @@
 """One impact on one ply or several, from its input file or keywords to its folder of results.
 
 The folder of `weavecell impact`
-    scene.toml      the input file as it was given
-    inputs/         copies of the files that the input file names, such as fabric, law and STL
+    scene.toml, inputs/  the input file as it was given, and copies of the files that it names
     histories.h5    scalars, histories, every ply at the end (`results.impact.ImpactRecord`)
     summary.json    outcome, energies, provenance
-    panel.pvd       the ParaView series of panel/panel-*.vtu: all plies, distinguished by "ply"
-    body.pvd        that of body/body-*.vtu: a projectile of metal, with its strains
-    block.pvd       that of block/block-*.vtu: the face of the block behind the last ply
+    panel.pvd, body.pvd, block.pvd  ParaView series: plies (told by "ply"), metal projectile, face of the block
     pictures/       histories, cuts, energies (.svg), panel.png
     draws.csv       the drawn shots, where they were asked for
     report.html     all of it on one page
-    checkpoint.h5   only while the run goes on, or after it was interrupted: `--resume` goes on from
-                    it
-    window/         finished shots of `--uncertainty` at other velocities, as long; range/ those of
-                    the range over what is assumed, draws/ those of draws.csv
-
-If the input file has a table [accuracy], finer and finer meshes are run
-(`studies.mesh_uncertainty`): summary.json and the report then name them, and say whether the target
-was met.
-
-Everything but the checkpoint is written when the run has ended, also if it ended by becoming
-unstable.
+    checkpoint.h5   only while the run goes on, or after it was interrupted, for --resume
+    window/, draws/  finished shots of --uncertainty at other velocities, and of draws.csv
 """
 
 from __future__ import annotations

@@ -6,11 +6,12 @@ What runs in OpenRadioss gave is in docs/reports/cards.md; LS-DYNA has not been 
 
 from __future__ import annotations
 
+from functools import cache
 from glob import escape
 from pathlib import Path
 from typing import Any
 
-from fabrics.base import files
+from fabrics.base import files, plugs
 from fabrics.base.errors import InputError
 from weavecell.decks import ls_dyna, mismatch, model, radioss
 from weavecell.decks.homogenised import MATCHES
@@ -20,6 +21,8 @@ from weavecell.results import json_file, provenance
 from weavecell.results.finding import Answer
 
 CODES = {"lsdyna": ls_dyna, "radioss": radioss}
+# what a module of a code has
+NEEDS = ("NAME", "LAW", "KEYWORD", "names", "write")
 ROWS = {
     "rms": "rms over the biaxial plane",
     "largest": "largest over the biaxial plane",
@@ -28,15 +31,27 @@ ROWS = {
 }
 
 
+@cache
+def codes() -> dict[str, Any]:
+    """Return the modules that write decks, {name of the code: module}: CODES, and those of installed
+    packages (`fabrics.base.plugs`).
+
+    Raises
+    ------
+    InputError : as `plugs.objects`
+    """
+    return CODES | plugs.objects("weavecell.decks", CODES, NEEDS)
+
+
 def check(to: str, units: str, match: str) -> None:
     """Check the choices of a deck.
 
     Raises
     ------
-    InputError : a code that is none of CODES, or unknown units or match
+    InputError : a code that is none of `codes`, or unknown units or match
     """
     for key, value, names in (
-        ("to", to, CODES),
+        ("to", to, codes()),
         ("units", units, model.UNITS),
         ("match", match, MATCHES),
     ):
@@ -46,7 +61,7 @@ def check(to: str, units: str, match: str) -> None:
 
 def names(to: str, stem: str) -> list[str]:
     """Return the names of the files of the folder, for `out_folder.claim`."""
-    own = [escape(name) for name in CODES[to].names(stem)]
+    own = [escape(name) for name in codes()[to].names(stem)]
     return [*own, "mapping.svg", "summary.json", "report.html"]
 
 
@@ -57,12 +72,12 @@ def write(
 
     Parameters
     ----------
-    to : of CODES
+    to : of `codes`
     stem : of the name of the deck's files
     match : as in `check`
     text, fabric : of the input, for the provenance
     """
-    code = CODES[to]
+    code = codes()[to]
     error = error_section(deck)
     for name, content in code.write(deck, stem).items():
         files.write(out / name, content)

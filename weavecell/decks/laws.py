@@ -1,18 +1,6 @@
-"""Material laws of other codes for a fabric, evaluated as those codes evaluate them.
-
-Uncoupled curves (*MAT_FABRIC FORM 14 of LS-DYNA): P_i = f_i(L_i - 1), tau = f(gamma).
-
-Crimp exchange, /MAT/LAW58 of OpenRadioss (engine/source/materials/mat/mat058/sigeps58c.F): two
-straight zigzags of linear, incompressible yarns, one to a unit width and length (N1 = N2 = 1): half
-length L, height H + y with H at rest, length D = 1 + S at rest,
-
-    f = E (sqrt(L^2 + (H + y)^2) - D),   P = f cos(alpha),
-    f_1 sin(alpha_1) + k_1 y_1 = f_2 sin(alpha_2) + k_2 y_2   with y_2 = -y_1 where the yarns touch,
-
-k = Flex E H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S). The
-law's viscosity is left out. Other counts would hold a fabric whose warp and weft counts differ
-exactly, but OpenRadioss takes the speed of sound from E alone, which grows with them: 27 and 26
-made the time step five times smaller than it need be.
+"""Material laws of other codes for a fabric, evaluated as those codes evaluate them: uncoupled curves
+(*MAT_FABRIC FORM 14 of LS-DYNA: P_i = f_i(L_i - 1), tau = f(gamma)) and crimp exchange (/MAT/LAW58
+of OpenRadioss, engine/source/materials/mat/mat058/sigeps58c.F).
 """
 
 from __future__ import annotations
@@ -72,6 +60,17 @@ class UncoupledCurves:
 @dataclass(frozen=True)
 class CrimpExchange:
     """/MAT/LAW58.
+
+    Two straight zigzags of linear, incompressible yarns, one to a unit width and length (N1 = N2 =
+    1): half length L, height H + y with H at rest, length D = 1 + S at rest,
+
+        f = E (sqrt(L^2 + (H + y)^2) - D),   P = f cos(alpha),
+        f_1 sin(alpha_1) + k_1 y_1 = f_2 sin(alpha_2) + k_2 y_2   with y_2 = -y_1 where they touch,
+
+    k = Flex E H / D, and each side zero where they do not. The modulus of the yarn is E (1 + S).
+    The law's viscosity is left out. Other counts would hold a fabric whose warp and weft counts
+    differ exactly, but OpenRadioss takes the speed of sound from E alone, which grows with them: 27
+    and 26 made the time step five times smaller than it need be.
 
     Parameters
     ----------

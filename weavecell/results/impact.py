@@ -1,17 +1,14 @@
-"""What an impact leaves in one HDF5 file (histories.h5): scalars, histories, and every ply at two
-instants.
+"""What an impact leaves in one HDF5 file (histories.h5); every dataset has an attribute "unit", nodes
+count from the middle surface of the first ply at rest. Attributes of the root are scalars and texts.
 
-Layout: attributes of the root for scalars and texts; /histories and /energies with one value an
-instant; /plies/histories with one column a ply; /plies with one row a ply; /half_energy/00, 01, ...
-and /final/00, 01, ... with each ply's shape and state when the projectile had lost half of the
-energy that it lost (the snapshot nearest to it) and at the end, /quads/00, ... with the node
-numbers of its elements; /cuts with the section through the impact point at the instants of the
-snapshots, and in it the nodes of a projectile of metal with the plastic strain of its elements, and
-the face of a block. Where there are any: /measured/00, ... with histories along the yarns of a ply
-(samples by elements or nodes), the forces on its edges (pull, lift) and the fronts; /bar with the
-histories of tip, tail and centre of mass of an elastic projectile; /backing with the block at the
-end, as far as it is modelled. Nodes count from the middle surface of the first ply at rest. Every
-dataset has an attribute "unit".
+    /histories, /energies      a value an instant;  /plies/histories: a column a ply
+    /plies                     a row a ply;  /quads/00, ...: node numbers of its elements
+    /half_energy/00, /final/00 shape and state of a ply at the snapshot nearest to half of the energy
+                               that the projectile lost, and at the end
+    /cuts                      section through the impact point at the snapshots: plies, nodes of a
+                               metal projectile with plastic strain, face of a block
+    /measured/00, ...          along the yarns of a ply, forces on its edges (pull, lift), fronts
+    /bar, /backing             tip, tail, centre of mass of an elastic projectile; block at the end
 """
 
 from __future__ import annotations

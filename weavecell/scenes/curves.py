@@ -1,28 +1,13 @@
 """Curves of tests in CSV files, and the constants of a fabric file that are fitted to them.
 
-The shear stress of the trellis law is the work for a change of the shear angle gamma over the
-volume of the fabric, t times its area at rest, with t its thickness as a shell. The three zones are
-fitted (`unitcell3d.identify.shear_fit`).
+    picture frame    "shear angle [deg], shear stress [MPa]", or "shear angle [deg], force [N]" with
+                     the side of the frame
+    bias strip       "displacement [mm], force [N]", with width and length
+    yarn in tension  "strain [%], force [N]"
 
-Picture frame: columns "shear angle [deg], shear stress [MPa]", or "shear angle [deg], force [N]"
-with the side L of the frame. The crosshead moves by L sin(phi) dgamma, and so its force F gives
-
-    stress = F sin(phi) / (L t),  phi = (pi/2 - gamma) / 2
-
-which is the shear force along a side, F / (2 cos phi), times cos(gamma) / (L t).
-
-Bias strip: columns "displacement [mm], force [N]" of a strip of width W and length H >= 2 W between
-its clamps. Yarns do not stretch, the middle shears by gamma, the zones beside it by gamma / 2 (Cao
-et al. 2008):
-
-    sin gamma = (1 + displacement / (H - W))^2 - 1
-    (1 - p) stress(gamma) + p stress(gamma / 2) = F (cos(gamma / 2) - sin(gamma / 2)) / (2 W t),  p
-    = W / (2 (H - W))
-
-Yarn in tension: columns "strain [%], force [N]". The straight line through the points between
-LINEAR shares of the greatest force gives E A_s and the slack at its foot; the failure strain is the
-greatest force over E A_s. With the foot itself all points up to the greatest force are fitted, by
-E A_s (e - s (1 - exp(-e / s))) (`shellfabric.cell.yarn_kernels`), s the slack.
+The shear stress of the trellis law is the work for a change of the shear angle over the volume of
+the fabric, its area at rest times t, its thickness as a shell. The three zones are fitted
+(`unitcell3d.identify.shear_fit`).
 """
 
 from __future__ import annotations
@@ -67,6 +52,13 @@ class YarnFit:
 def picture_frame(path: FilePath, thickness: float, side: float | None = None) -> ShearFit:
     """Fit the trellis law to the curve of a picture-frame test.
 
+    With phi = (pi/2 - gamma) / 2 the crosshead moves by L sin(phi) dgamma, so that its force F
+    gives
+
+        stress = F sin(phi) / (L t),
+
+    the shear force along a side, F / (2 cos phi), times cos(gamma) / (L t).
+
     Parameters
     ----------
     path : of the CSV file
@@ -98,6 +90,12 @@ def picture_frame(path: FilePath, thickness: float, side: float | None = None) -
 
 def bias_extension(path: FilePath, thickness: float, strip: tuple[float, float] | None) -> ShearFit:
     """Fit the trellis law to the curve of a bias strip.
+
+    Yarns do not stretch; of a strip of width W and length H >= 2 W the middle shears by gamma, the
+    zones beside it by gamma / 2 (Cao et al. 2008):
+
+        sin gamma = (1 + displacement / (H - W))^2 - 1,   p = W / (2 (H - W))
+        (1 - p) stress(gamma) + p stress(gamma / 2) = F (cos(gamma / 2) - sin(gamma / 2)) / (2 W t)
 
     Parameters
     ----------
@@ -153,6 +151,9 @@ def _fit_shear(path, gamma, stress, half=0.0):
 def yarn_tension(path: FilePath) -> YarnFit:
     """Fit axial stiffness and failure strain to the tensile curve of a yarn.
 
+    The straight line through the points between LINEAR shares of the greatest force gives E A_s and
+    the slack at its foot; the failure strain is the greatest force over E A_s.
+
     Parameters
     ----------
     path : of the CSV file
@@ -181,6 +182,9 @@ def yarn_tension(path: FilePath) -> YarnFit:
 
 def yarn_with_foot(path: FilePath) -> YarnFit:
     """Fit axial stiffness, failure strain and the foot at low strain to the tensile curve of a yarn.
+
+    All points up to the greatest force are fitted by E A_s (e - s (1 - exp(-e / s))), s the slack
+    (`shellfabric.cell.yarn_kernels`).
 
     Parameters
     ----------

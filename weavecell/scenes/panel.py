@@ -35,7 +35,7 @@ from fabrics.base.schema import (
     string,
     whole,
 )
-from shellfabric import shot_keys
+from shellfabric import part_of_others, shot_keys
 from shellfabric.impact.strength_keys import StrengthKeys
 from shellfabric.membrane.boundary import SlipKeys
 from shellfabric.panel_numbers import PanelNumbers, ZoneKeys
@@ -333,6 +333,12 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
         Unread("export", '"pinned": no law here lets yarns slip'),
     ] = "pinned"
 
+    parts: Annotated[
+        dict[str, Any] | None,
+        Field(description='a table { foundation = { stiffness = "2e10 N/m^3" } }'),
+        Unread("export", "left out: no deck has it"),
+    ] = None
+
     @property
     def angled(self) -> bool:
         """Whether a ply of a lay-up is at another angle than 0 and 90 deg."""
@@ -349,6 +355,17 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
                 'left out: resolved yarns (crossovers = "yarns") have friction without cohesion',
             )
         return super().unknown(key, near)
+
+    @model_validator(mode="after")
+    def _read_parts(self):
+        """The panel with its parts in place of their tables."""
+        if not self.parts:
+            return self
+        with placed(None, "parts."):
+            made = tuple(part_of_others.read(name, table) for name, table in self.parts.items())
+        if self.crossovers == "yarns":
+            raise InputError(key="parts", allowed="left out with resolved yarns")
+        return self.model_copy(update={"parts": made})
 
     @model_validator(mode="after")
     def _check_lay_up(self):

@@ -1,31 +1,14 @@
 """Constants of a fabric's cell from measured biaxial tests, by least squares (thesis section 5.3).
 
 The loads of the chosen tests are those of the unit cell at their strains, those of a yarn alone in a
-test whose other direction is free. Free constants are any of
+test whose other direction is free. Free constants (`CONSTANTS`) are any of
 
-    a, b                     of the law of compression d_c = a - b / (F + F0)^(1/3), one for both yarns
+    a, b                     of d_c = a - b / (F + F0)^(1/3), one law for both yarns
     h                        [m] heights at rest of both yarns together, at most those of the crimp
-    stiffening               [-] s, by which the force at one compression grows with the yarn's
-                             strain e, F = (1 + s e) f(d)
+    stiffening               [-] s of F = (1 + s e) f(d), with the yarn's strain e
     warp crimp, weft crimp   [-] with the yarns' own stiffness as it is
     start                    [-] of each test, by which its strains begin too late: the machine's
                              zero is where sagging yarns come to lie in one plane
-
-All but the starts are fitted by their logarithms. Warp and weft have errors of their own: each
-residual is taken over the rms of its family, which is found by fitting again. The covariance is
-s^2 (J^T J)^-1. An interval of 95 % is that of the profile: where the least sum of squares over the
-other constants has risen by m t^2 s^2. Both errors are estimates, so that Student's t has the
-degrees of freedom of Welch and Satterthwaite, and m is what weights from estimated errors add to
-the variance of a mean (Meier 1953, Biometrics 9, 59): with the share w_f of a family in the
-variance of the constant, and its degrees of freedom v_f,
-
-    1 / v = sum of w_f^2 / v_f,    m = 1 + 4 sum of w_f (1 - w_f) / v_f
-
-If the residuals are no noise, that is if neighbours are alike, intervals are too narrow, and the
-fit says so.
-
-Tests that were not chosen are predicted. A prediction counts as right if its rms, without the noise
-of the loads, is at most AGREES of the greatest load of warp, or weft, in all tests.
 """
 
 from __future__ import annotations
@@ -305,6 +288,20 @@ def fit(
     with_profiles: bool = True,
 ) -> BiaxialFit:
     """Fit constants of a cell to tests, and predict the others.
+
+    All constants but the starts are fitted by their logarithms. Warp and weft have errors of their
+    own: each residual is taken over the rms of its family, which is found by fitting again. The
+    covariance is s^2 (J^T J)^-1. An interval of 95 % is that of the profile: where the least sum of
+    squares over the other constants has risen by m t^2 s^2. Both errors are estimates, so that
+    Student's t has the degrees of freedom of Welch and Satterthwaite, and m is what weights from
+    estimated errors add to the variance of a mean (Meier 1953, Biometrics 9, 59): with the share
+    w_f of a family in the variance of the constant, and its degrees of freedom v_f,
+
+        1 / v = sum of w_f^2 / v_f,    m = 1 + 4 sum of w_f (1 - w_f) / v_f
+
+    If neighbouring residuals are alike, and so no noise, intervals are too narrow, and the fit says
+    so. A prediction counts as right if its rms, without the noise of the loads, is at most AGREES
+    of the greatest load of warp, or weft, in all tests.
 
     Parameters
     ----------

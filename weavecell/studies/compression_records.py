@@ -1,25 +1,13 @@
 """Records of a compression test between platens: the rig taken off, the pressure law of a pack fitted,
 and the gap between plies.
 
-A record is what the platens have closed against their load. The rig closes too, and is taken off at
-each load (thesis Figure 2-3). What is left of N plies, counted from the first load of the record,
-follows eq. 2-5 of the thesis, with the thickness t for the volume,
+A record is what the platens have closed against their load; the rig's part is taken off at each load
+(thesis Figure 2-3). What is left of N plies, from the first load on, follows eq. 2-5 of the thesis,
 
     P = K'' / (t - t_min)^n    ->    d(P) = d_full - (K'' / P)^(1/n),
 
-in which d_full is what is closed when the pack is at its minimum volume: the thickness at the first
-load less V_min / A. It is fitted twice: with n free, and with n = 3, for which the thesis chooses
-V_min. A pack of one ply then has for the force F on an area A (eqs. 2-7 to 2-9)
-
-    d_c = a - b / F^(1/3),   a = d_full,   b = (K'' A)^(1/3)
-
-with K'' per unit area (erratum E-04). What two neighbouring plies close (eq. 5-4) is
-
-    gap = (d_N(P) - d_1(P)) / (N - 1)
-
-at the highest pressure that both records have, both counted from the higher of their first
-pressures. Intervals are those of the least squares fit, by draws from the covariance of its
-parameters.
+d_full what is closed at the minimum volume. It is fitted with n free, and with n = 3, for which the
+thesis chooses V_min. Intervals are those of the least squares fit, by draws from its covariance.
 """
 
 from __future__ import annotations
@@ -242,6 +230,9 @@ class Estimate:
 def gap_between(one: PressureLaw, many: PressureLaw) -> Estimate:
     """Compute what neighbouring plies of a pack close between each other (eq. 5-4) [m].
 
+    (d_N(P) - d_1(P)) / (N - 1) at the highest pressure that both records have, both counted from
+    the higher of their first pressures.
+
     Raises
     ------
     InputError : the records have no pressure in common
@@ -265,7 +256,10 @@ def gap_between(one: PressureLaw, many: PressureLaw) -> Estimate:
 
 def force_law(one: PressureLaw, area: float) -> dict[str, Estimate]:
     """Compute a [m] and b [m N^(1/3)] of one ply over an area [m2] (eqs. 2-8, 2-9), from the law
-    with n = 3."""
+    with n = 3.
+
+    d_c = a - b / F^(1/3), a = d_full, b = (K'' A)^(1/3), with K'' per unit area (erratum E-04).
+    """
     full, logarithm, _ = one.draws.T
     a = Estimate(one.full, *interval(full))
     b = Estimate(float(np.cbrt(one.stiffness * area)), *interval(np.cbrt(np.exp(logarithm) * area)))

@@ -1,18 +1,7 @@
 """The record of a projectile's displacement, smoothed: velocity, energy, force, each with its error.
 
-Differences of a record amplify its noise. A smoothing spline (scipy, `make_smoothing_spline`)
-minimises
-
-    sum_i (z_i - f(t_i))^2 + lambda int f''(t)^2 dt
-
-and is linear in the record: velocity f', acceleration f''. It smooths what a polynomial of degree 4
-leaves of the record, since a smoothing spline alone is straight at both ends. At an even spacing dt it passes the share
-1 / (1 + lambda dt omega^4) of a frequency, a half at
-
-    bandwidth = (lambda dt)^(-1/4) / (2 pi),
-
-above which nothing of the record is left; lambda follows from the bandwidth, or from generalised
-cross-validation if none is given. The error of each quantity has two parts:
+Differences of a record amplify its noise. A smoothing spline (scipy, `make_smoothing_spline`) is
+linear in the record: velocity f', acceleration f''. The error of each quantity has two parts:
 
     random   its standard deviation by noise of the residual's size, over repeated draws;
     smooth   what the spline takes off: the quantity of the smoothed curve less that of the curve
@@ -121,6 +110,16 @@ def reduce(
     time: FloatArray, displacement: FloatArray, mass: float, bandwidth: float | None = None
 ) -> Motion:
     """Smooth a record.
+
+    The spline minimises
+
+        sum_i (z_i - f(t_i))^2 + lambda int f''(t)^2 dt
+
+    over what a polynomial of degree 4 leaves of the record, since a spline alone is straight at
+    both ends. At an even spacing dt it passes 1 / (1 + lambda dt omega^4) of a frequency, a half at
+    the
+
+        bandwidth = (lambda dt)^(-1/4) / (2 pi).
 
     Parameters
     ----------

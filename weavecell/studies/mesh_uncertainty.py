@@ -1,29 +1,14 @@
 """Discretisation uncertainty of an impact from pairs of meshes: the grid convergence index of ASME
-V&V 20.
+V&V 20-2009 (section 2-4; P. J. Roache, Verification and Validation in Computational Science and
+Engineering, 1998).
 
-The element side near the impact point of the finer mesh is half that of the other. With the
-difference d of a result between the two,
+The element side near the impact point of the finer mesh is half of the other's, r = 2. With the
+difference d of a result between the two, and its interval phi - U to phi + U,
 
-    U = F_s d r^p / (r^p - 1)  on the coarser mesh,    U = F_s d / (r^p - 1)  on the finer one,    r
-                                                       = 2.
+    U = F_s d r^p / (r^p - 1) = 4 d  on the coarser mesh,    U = F_s d / (r^p - 1) = d  on the finer.
 
-Two meshes show no order of convergence, so that p is the formal order of the elements, 2, and F_s =
-3, the factor that goes with an order which is assumed (P. J. Roache, Verification and Validation in
-Computational Science and Engineering, 1998; ASME V&V 20-2009, section 2-4): U is 4 d and d. The
-interval of a result phi is phi - U to phi + U.
-
-The difference of a single number can vanish by chance where two solutions cross. So d is a norm of
-the difference of the solutions: of the deflection, and of the velocity and the absorbed energy of a
-projectile that is still in flight, the largest difference of their histories, up to the end of the
-shorter run, and of peak tensions the larger of the relative differences of warp and weft. What a
-projectile that stops leaves (no velocity, and all its energy absorbed) has no error. Residual
-velocity and absorbed energy of one that perforates are means over a window of strike velocities
-(`window`): d is the difference of the means on the two meshes, and to U is added the root of the
-sum of the squares of their standard errors. Where the outcomes on the meshes differ, the outcome
-depends on the mesh, and no result has an uncertainty.
-
-`run_pair` states the uncertainty on the scene's own mesh. `refine` runs finer and finer meshes,
-until the uncertainty of one quantity is within its target.
+Two meshes show no order: p is the formal order of the elements, 2, and F_s = 3, as goes with an
+assumed order. `run_pair` states it on the scene's own mesh, `refine` on finer and finer ones.
 """
 
 from __future__ import annotations
@@ -329,7 +314,16 @@ def differences(coarse: ImpactResult, fine: ImpactResult) -> dict[str, float]:
     """Compute {quantity: [-] norm of the difference of the solutions}, over velocity and energy of
     the strike, the largest deflection and the peak tensions; infinite if the outcomes differ, 0 of
     what a projectile that has stopped or a panel that is perforated does not have. Velocity and
-    energy of a projectile that perforates have none: infinite."""
+    energy of a projectile that perforates have none: infinite.
+
+    The difference of a single number can vanish by chance where two solutions cross. So it is a
+    norm: of deflection, and of velocity and absorbed energy of a projectile that is still in
+    flight, the largest difference of the histories up to the end of the shorter run; of peak
+    tensions the larger relative difference of warp and weft. Of a projectile that perforates
+    velocity and energy are means over a window of strike velocities (`window`): d is the difference
+    of the means, and to U is added the root of the sum of the squares of their standard errors.
+    Where outcomes differ, no result has an uncertainty.
+    """
     (t, _, v), (tf, _, vf) = (result.step_history[:, :3].T for result in (coarse, fine))
     common = t <= tf[-1]
     strike = coarse.setup.strike_velocity

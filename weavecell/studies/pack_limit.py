@@ -1,16 +1,13 @@
 """V50 of a pack from the residual velocities of a few shots about its limit.
 
-A change of 1e-6 grows by e in a microsecond once plies are torn, so that shots of one pack scatter like
-tests of it: each has a limit T of its own, and a bracket between a stop and a perforation says nothing
-of that scatter. The limits are taken as normal about V50. A stop at V says that T is above V; a
-perforation tells T by its residual velocity V_r, by the curve of Lambert and Jonas,
+A change of 1e-6 grows by e in a microsecond once plies are torn, so that shots of one pack scatter
+like tests: each has a limit T of its own, normal about V50. A stop at V says T > V; a perforation
+tells T by its residual velocity, by the curve of Lambert and Jonas,
 
     T = (V^p - (V_r / a)^p)^(1/p),   T ~ N(V50, s)
 
-and so each perforation says as much as several outcomes. V50, s, p and a have the posterior
-distribution with priors that are flat in V50, log s, log p and a (Gelman et al., Bayesian Data
-Analysis, 3.2: without stops, p and a known it is Student's t); V50 is its median and the interval is
-between its quantiles.
+Priors are flat in V50, log s, log p and a (Gelman et al., Bayesian Data Analysis, 3.2: without stops,
+p and a known it is Student's t); V50 is the posterior's median, the interval between its quantiles.
 """
 
 from __future__ import annotations

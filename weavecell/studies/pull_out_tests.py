@@ -1,17 +1,13 @@
 """Pull-outs of a laboratory, and the friction between yarns that they tell.
 
-The highest load of a yarn that is drawn through n held crossovers is that of `coupon.pull_out` with
-two constants of a crossover, which slips at c0 + mu F_c. Both are fitted by least squares of the
-logarithm of the peaks, so that a test counts by its error in per cent. c0 multiplies all peaks
-nearly alike; mu is told by how much faster than the number of crossings the peaks grow. Two numbers
-of crossings therefore tell both, and one tells mu for each c0 only. So do two tensions of the
-crossing yarns, if yarns resist bending. Flexible ones lie straight under any tension, and more of it
-changes little; without tension they are crimped, and the same peaks need half as much friction again.
-
-The covariance is s^2 (J^T J)^-1, with s from repeats and, of three or more numbers of crossings,
-what the model misses of them; intervals of 90 % are those of Student's t. In a logarithm the peak is
-close to a straight line of mu and ln c0, so that these intervals hold: of 100 noises of
-10 % in five repeats of 10 and 20 crossings, 89 had the friction that went in.
+The highest load of a yarn drawn through n held crossovers is that of `coupon.pull_out`, each slipping
+at c0 + mu F_c; both are fitted by least squares of the logarithm of the peaks. Two numbers of
+crossings tell both, one tells mu for each c0 only. So do two tensions of the crossing yarns, if yarns
+resist bending; flexible ones lie straight under any tension, and without it the same peaks need half
+as much friction again. The covariance is s^2 (J^T J)^-1, s from repeats and, of three or more numbers
+of crossings, what the model misses of them. In a logarithm the peak is close to a straight line of mu
+and ln c0, so that intervals of 90 %, Student's t, hold: of 100 noises of 10 % in five repeats of 10
+and 20 crossings 89 had the friction that went in.
 """
 
 from __future__ import annotations

@@ -1,22 +1,12 @@
 """Mean of a shot that perforates over a window of strike velocities, with its standard error.
 
-Yarns fail one after the other, as waves come back from the edges: residual velocity, absorbed
-energy and number of failures are staircases in the strike velocity, and their value at one velocity
-is a point of a step. So the shot is repeated at `FACTORS` times its strike velocity V0. The mean is
-the value at V0 of the straight line through the n shots (V_i, y_i) by least squares, since a trend
-with the velocity is no scatter. With the mean velocity V_m, the slope b and the residuals r_i of
-the line, this value and its standard error are
+Yarns fail one after the other, so that residual velocity, absorbed energy and failures are staircases
+in the strike velocity. The shot is repeated at `FACTORS` times V0. The mean is the value at V0 of the
+straight line through the n shots (`fit_line_at`), since a trend is no scatter. Residuals of a
+staircase are not normal: the standard error measures scatter, and is no confidence interval.
 
-    y_m + b (V0 - V_m),    s sqrt(1/n + (V0 - V_m)^2 / sum (V_i - V_m)^2),    s^2 = sum r_i^2 / (n -
-                           2)
-
-(D. C. Montgomery, E. A. Peck, G. G. Vining, Introduction to Linear Regression Analysis, estimation
-of the mean response). Residuals of a staircase are not normal: the standard error measures scatter,
-and is no confidence interval.
-
-A jump of the absorbed energy between two regimes, such as fabric that holds the nose or is cut out at once, is no
-scatter: a mean over it would measure where it lies. It is found from the shots themselves
-(`Window.jump`), and no mean is quoted.
+A jump of the absorbed energy between two regimes, such as fabric that holds the nose or is cut out at
+once, is no scatter: it is found from the shots (`Window.jump`), and no mean is quoted.
 """
 
 from __future__ import annotations
@@ -136,7 +126,15 @@ class Window:
 
 def fit_line_at(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float]:
     """Fit a line through points (n,) by least squares: (its value at a place, the standard error);
-    NaN below n = 3."""
+    NaN below n = 3.
+
+    With the mean velocity V_m, the slope b and the residuals r_i of the line these are
+
+        y_m + b (V0 - V_m),   s sqrt(1/n + (V0 - V_m)^2 / sum (V_i - V_m)^2)   with
+        s^2 = sum r_i^2 / (n - 2)
+
+    (Montgomery, Peck, Vining, Introduction to Linear Regression Analysis, estimation of the mean).
+    """
     if x.size < 3:
         return nan, nan
     off = x - x.mean()

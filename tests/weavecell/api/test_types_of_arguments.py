@@ -14,6 +14,7 @@ import pytest
 import weavecell as wc
 from fabrics.base.errors import InputError
 from fabrics.base.values import plain
+from tests import commands
 from weavecell import api
 from weavecell.api import command, entrance
 from weavecell.api.execution import ResumableKeywords
@@ -26,7 +27,7 @@ ROOT = Path(__file__).parents[3]
 SMALL = {"opening": "26 mm", "end_time": "12 us"}
 PEAKS = "peak load [N]\n1.3\n1.2\n"
 SHOTS = "velocity [m/s], outcome\n90, PP\n124, CP\n105, CP\n112, PP\n"
-# the least that each function takes
+# the least that each function takes; of a command without a row it is its example
 LEAST = {
     "biaxial": ("S-720",),
     "calibrate": ("S-720", {"mesh": "coarse"}),
@@ -93,6 +94,7 @@ def list_functions():
 
 
 FUNCTIONS = list_functions()
+WALKED = sorted(set(FUNCTIONS) - {"overlay", "read_docstring"})
 
 
 def list_parameters(function):
@@ -106,12 +108,14 @@ def list_parameters(function):
 def call(name, changed):
     """Plan, or call, a function with the least that it takes and some parameters changed."""
     function = FUNCTIONS[name]
-    *arguments, given = (*(LEAST | AT_ONCE)[name], {})
+    rows = LEAST | AT_ONCE
+    row = rows[name] if name in rows else (commands.example(commands.WORDS[name]),)
+    *arguments, given = (*row, {})
     if arguments and isinstance(arguments[-1], dict):
         given = arguments.pop()
     named = dict(zip(inspect.signature(function).parameters, arguments))
     given = {**named, **given, **changed}
-    if name in LEAST:
+    if hasattr(function, "plan"):
         taken = {
             key: given.pop(key) for key in ("jobs", "executor", "out", "resume") if key in given
         }
@@ -122,10 +126,9 @@ def call(name, changed):
 
 
 def test_every_function_is_walked():
-    walked = {*LEAST, *AT_ONCE, "overlay", "read_docstring"}
-    assert walked - {"read_docstring"} == set(FUNCTIONS) - {"read_docstring"}
-    for name, function in FUNCTIONS.items():
-        assert name in ("overlay", "read_docstring") or function.takes is entrance.take, name
+    assert {*LEAST, *AT_ONCE, *commands.WORDS} >= set(WALKED)
+    for name in WALKED:
+        assert FUNCTIONS[name].takes is entrance.take, name
 
 
 def refused(name, parameter, value):
@@ -144,7 +147,7 @@ def kinds_of(function, parameter):
     return ResumableKeywords.__annotations__.get(parameter, "").__forward_arg__
 
 
-@pytest.mark.parametrize("name", sorted(LEAST | AT_ONCE))
+@pytest.mark.parametrize("name", WALKED)
 def test_values_of_all_kinds_are_refused_in_a_line(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("tests.csv").write_text(SHOTS)

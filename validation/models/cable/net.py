@@ -1,20 +1,11 @@
-"""The pin-jointed cable model of a fabric: the oldest of the discrete models, and the shell's decoupled limit.
-
-Source thesis section 4.4.2: masses at the crossovers, joined along warp and weft by bars that carry tension only. Warp
-and weft share their nodes and nothing else: no crimp exchange, no compression of the yarns, no shear stiffness. Bars of
+"""The pin-jointed cable model of a fabric (thesis section 4.4.2), the shell's decoupled limit: masses at crossovers,
+joined along warp and weft by bars that carry tension only. No crimp exchange, compression or shear stiffness. Bars of
 natural length S0 whose nodes are L apart (both as much longer than a crossover's as the panel's elements are) have
 
     e = max(L - S0, 0),   T = k e,   k = EA / S0     (crimp is slack, S0 > L at rest; erratum E-18: strain beyond crimp)
 
-and pull with T and, while taut, with a viscous force on their rate; never less than nothing in all. Bars do not fail.
-Time goes by central differences, forces standing at whole steps:
-
-    v(n+1/2) = v(n-1/2) + dt f(n) / m,    u(n+1) = u(n) + dt v(n+1/2),    f(n+1) from u(n+1) and L(n+1) - L(n)
-
-Time step. No direction of a node sees more than both families, so that the highest frequency of the net obeys
-w^2 <= 4 (k1 + k2) / M, with M the mass of the two yarns in a cell, however the net folds. Along a flat yarn the wave
-runs at 2 w1 sqrt(k1 / M), which is c / sqrt 2 for equal yarns without crimp (erratum E-38). The viscous force acts on
-the change of length of the step before, which limits the step to (2 / w) (sqrt(1 + xi^2) - xi).
+and pull with T and, while taut, a viscous force on their rate; never less than nothing in all. Bars do not fail. Time
+goes by central differences.
 """
 
 from __future__ import annotations
@@ -40,6 +31,11 @@ VISCOSITY = 0.1  # damping ratio of the highest mode of the taut net, as in the 
 def time_step(frequency: float, cfl: float, viscosity: float) -> tuple[float, float]:
     """Compute (dt [s], cv [-]) for the highest frequency `frequency` [rad/s]; cv as in
     `net_kernels.pull`.
+
+    No direction of a node sees more than both families, so that w^2 <= 4 (k1 + k2) / M, with M the
+    mass of the two yarns in a cell, however the net folds. Along a flat yarn the wave runs at 2 w1
+    sqrt(k1 / M), c / sqrt 2 for equal yarns without crimp (erratum E-38). The viscous force acts on
+    the change of length of the step before, which limits the step to (2 / w) (sqrt(1 + xi^2) - xi).
 
     cfl : Courant factor, the time step over its bound
     viscosity : damping ratio of the highest mode

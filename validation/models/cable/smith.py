@@ -1,25 +1,5 @@
-"""A straight yarn struck across at constant velocity: Smith's closed form, and the cable model's run of it.
-
-Smith, McCrackin and Schiefer, Textile Research Journal 28 (1958) 288, for the linear yarn T = EA strain of mass m per
-natural length, struck at a point that then moves across it at the velocity V. Two waves leave the point.
-
-1. The longitudinal one runs at c = sqrt(EA / m) along the yarn and leaves it with the strain e, and with the velocity
-   W = c e towards the point: what jumps in strain by e in the time dt stretches c dt of yarn by c e dt.
-2. Behind it comes the kink. A wave of shape runs in a string under tension at the speed sqrt(T / m') of the stretched
-   string, m' = m / (1 + e); counted in natural length that is sqrt(T / m (1 + e)) = c sqrt(e / (1 + e)), and along the
-   stretched yarn (1 + e) times as much, c sqrt(e (1 + e)). The yarn before it moves towards the point at W, so that in
-   the laboratory
-
-       U = c (sqrt(e (1 + e)) - e).
-
-3. Behind the kink the yarn moves across at V with no velocity along. In the time t the kink has taken up the natural
-   length c sqrt(e / (1 + e)) t. The tension is the same on both sides, hence the strain, and the length is now
-   c sqrt(e (1 + e)) t: the hypotenuse over U t and V t. So
-
-       V^2 = c^2 e (1 + e) - U^2 = c^2 (2 e sqrt(e (1 + e)) - e^2).
-
-The force on the striker, both sides together, is 2 T V / (c sqrt(e (1 + e))), since the sine of the slope is V over the
-speed along the hypotenuse. It equals the momentum that the two kinks take up, 2 m c sqrt(e / (1 + e)) V.
+"""A straight yarn struck across at constant velocity: Smith's closed form (Smith, McCrackin and Schiefer, Textile
+Research Journal 28 (1958) 288; equations: docs/theory-panel.md, "Wave speeds"), and the cable model's run of it.
 """
 
 from __future__ import annotations
@@ -60,6 +40,14 @@ class TransverseImpact:
 def smith(yarn: Yarn, velocity: float) -> TransverseImpact:
     """Compute Smith's closed form for a straight yarn of linear behaviour, struck at `velocity`
     [m/s].
+
+    The longitudinal wave leaves the yarn with the strain e and the velocity W = c e towards the
+    point. The kink is a wave of shape in a string under tension: in natural length it runs at c
+    sqrt(e / (1 + e)), along the stretched yarn at c sqrt(e (1 + e)), and the yarn before it moves
+    towards the point at W, so that U = c (sqrt(e (1 + e)) - e). Behind it the yarn moves across at
+    V with no velocity along: the length c sqrt(e (1 + e)) t is the hypotenuse over U t and V t,
+    which gives V^2. The force on the striker, both sides together, is 2 T V / (c sqrt(e (1 + e))):
+    the momentum that the two kinks take up, 2 m c sqrt(e / (1 + e)) V.
 
     Raises
     ------

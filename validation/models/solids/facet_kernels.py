@@ -1,34 +1,13 @@
-"""Contact of crossing yarns in explicit dynamics: the middle of each facet is held off another yarn's
-face.
-
-Each face, lower and upper, is slave once and master once, with half of the penalty k. For the middle y of a facet
-of the area A, with its foot S(xi) on the other face, the unit normal n towards the facet, and the
-gap g = n . (y - S) less an overlap g_0 (see below),
+"""Contact of crossing yarns in explicit dynamics: the middle of each facet is held off another yarn's face
+(docs/theory-panel.md, "Woven solid yarns"). Each face, lower and upper, is slave once and master once, with half of
+the penalty k. What the facet gets the 16 nodes of its foot give, with their weights in S: no momentum is made.
 
     p = k [0; g^2 / 2t; -g - t/2]  for  [g >= 0; 0 < -g < t; -g > t],    Pi = int p dg,
-    U = A w(xi) Pi,    f = A w p n - A Pi grad w.
-
-w is 1 over the face and fades to 0 beyond its sides. Its slope acts along the face: a facet
-that is led round the side of a yarn and back takes no work. What the facet gets the 16 nodes of its
-foot give, with their weights in S: no momentum is made.
+    U = A w(xi) Pi,    f = A w p n - A Pi grad w
 
 Besides acts a damper c (-dg/dt), never less than nothing with the spring, and friction
-(`contact.friction_kernels.slide`): a spring of the stiffness A k along the face, let slip where it
-holds more than the friction coefficient times the normal force.
-
-Who meets whom. Of a yarn's lower or upper face a facet may meet the yarns that cross it on that
-side, every other one of the family; it has the nearest for its partner (`choose_partners`), and its
-foot runs over all of that yarn. Two such yarns are further apart than they are wide, so a partner
-changes where neither is in touch. Parallel neighbours: `tip_kernels`.
-
-Overlaps. Nothing in a mesh at rest stores energy: where it overlaps, g_0 is that overlap. A facet that
-is found within a face, deeper than it can have come in a step, has come in from beside, or from behind
-where a yarn has rolled over: it has that overlap for g_0, since to push it out would make energy. As
-it comes out, g_0 goes with it, and is 0 once it is out.
-
-A facet that is clear of its partner waits for as many steps as no motion can close the gap. A facet
-of a brick that is torn, or whose foot meets one, has no partner any more; what it had stored counts
-as lost to failure.
+(`contact.friction_kernels.slide`), a spring of the stiffness A k along the face. A facet of a brick that is torn, or
+whose foot meets one, has no partner any more; what it had stored counts as lost to failure.
 """
 
 import math
@@ -192,7 +171,13 @@ def open_contact(patch, facet, slider):
 
 @kernel()
 def over_overlap(patch, facet, gap, share):
-    """Return the gap [m] of a facet less its overlap, which changes while the facet is clear."""
+    """Return the gap [m] of a facet less its overlap, which changes while the facet is clear.
+
+    Nothing in a mesh at rest stores energy: where it overlaps, g_0 is that overlap. A facet that is
+    found within a face, deeper than it can have come in a step, has come in from beside, or from
+    behind where a yarn has rolled over: it has that overlap for g_0, since to push it out would
+    make energy. As it comes out, g_0 goes with it.
+    """
     overlap = patch.overlap[facet]
     if patch.contact_energy[facet] == 0.0:
         overlap = max(overlap, min(gap, 0.0))
@@ -369,7 +354,12 @@ def distance_to(patch, face, xi0, middle):
 @entry()
 def choose_partners(patch):
     """Give each facet that is clear of its partner the nearest of the yarns that cross on its
-    side."""
+    side.
+
+    Of a yarn's lower or upper face a facet may meet the yarns that cross it on that side, every
+    other one of the family. Two such yarns are further apart than they are wide, so a partner
+    changes where neither is in touch. Parallel neighbours: `tip_kernels`.
+    """
     corners = np.empty(4, np.int64)
     for face in range(patch.face_node.size):
         own = face // FACES

@@ -1,16 +1,13 @@
 """Forces of one yarn: hexahedra with one integration point, and fibre bars on the mesh edges along it.
 
-The bricks follow the law of `fabrics.yarn_stress_kernels` at their mean deformation, with the
-viscous stress of `law_kernels` and the hourglass control of `block.brick_kernels`, which has the energy
-of the 2 x 2 x 2 rule at rest. In a yarn that is pressed to its packing, fifty times as stiff, it is too
-soft: there patches are softer than the 3D crossover (docs/theory-panel.md, "Woven solid yarns"). A
-control that stiffens with the law was tried: it has no potential, and torn yarns became unstable.
+The bricks follow the law of `fabrics.yarn_stress_kernels` at their mean deformation, with the viscous stress of
+`law_kernels` and the hourglass control of `block.brick_kernels`, which has the energy of the 2 x 2 x 2 rule at rest
+and is too soft in packed yarns (docs/theory-panel.md, "Woven solid yarns"; one that stiffens with the law was tried:
+it has no potential, and torn yarns became unstable).
 
-A bar has the force N = E A [s(e) + s'(e) xi (L / c) de/dt]: the viscous part is a damping ratio xi on
-the highest mode along a taut yarn of the wave speed c. It fails at a strain of its own, and its
-energy goes to a term of its own. A brick is gone with half of its bars. In a yarn that has been cut
-it is gone as well once its fibres are folded to a tenth of their length or it has no volume left; in
-a whole yarn that makes the run unstable.
+A bar has N = E A [s(e) + s'(e) xi (L / c) de/dt], xi the damping ratio of the highest mode along a taut yarn. A brick
+is gone with half of its bars; in a yarn that has been cut also once its fibres are folded to a tenth of their length
+or it has no volume left; in a whole yarn that makes the run unstable.
 """
 
 import math
