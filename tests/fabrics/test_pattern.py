@@ -442,3 +442,13 @@ def test_a_page_shows_the_cell_of_crossings_of_several_kinds_by_their_mean(own, 
         assert ("mean of its crossings" in text) == said
     warp, weft = drawn[0]["both yarns stretched alike"]["curves"]["own"]
     assert 0 < warp[-1] != weft[-1] > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "symmetries", "held"),
+    [("plain", 16, True), ("basket 2x2", 16, True), ("satin 5", 10, True), ("crowfoot", 4, False)],
+)
+def test_symmetries_hold_the_yarns_along(name, symmetries, held):
+    pattern = Pattern.read(name)
+    assert len(pattern.symmetries) == symmetries
+    assert pattern.holds_yarns == held

@@ -80,7 +80,7 @@ def biaxial(
 ) -> Record:
     """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of
     `shear`."""
-    model = CellModel(mesh, fabric, numerics, failure=failure)
+    model = CellModel(mesh, fabric, numerics, sheared=False, failure=failure)
     loads = [CellLoad(model.w), CellLoad(model.w, tuple(map(float, d)))]
     return _followed(model, loads, [rows], "cell biaxial", hooks)
 
@@ -123,7 +123,8 @@ def _row(model):
             "moment": moment,
             "tau": moment / smeared,
             "F_c": float(np.mean(abs(pairs.forces[: model.crossings]))),
-            "F_side": np.array([pairs.forces[acting][of == family].mean() for family in (0, 1)]),
+            "F_side": np.array([pairs.forces[acting][of == family].sum() for family in (0, 1)])
+            / model.crossings,
             "side_gap": np.array([gaps[of == family].min() for family in (0, 1)]),
             "thickness": model.thickness(x),
             "d_c": model.compression(x),
