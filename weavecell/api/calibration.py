@@ -137,12 +137,22 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         """What the paths are solved of."""
         return [(self.fabric, self.size, self.friction, self.evidence, self.fraction)]
 
+    @property
+    def has_own_crossings(self) -> bool:
+        """Whether the cell of a weave with floats is solved: its crossings are all alike."""
+        if self.woven is None:
+            return False
+        pattern = self.woven.weave.pattern
+        return pattern.has_like_crossings and pattern.holds_yarns
+
     def forecast(self) -> WorkSize:
         """Count the paths, those of the ends of an assumed law too, and hexahedra and nodes."""
         from unitcell3d.identify import calibrate as solver
 
         built = meshes.of_calibration(self.fabric, self.size)
         amounts = {"path": solver.CASES}
+        if self.has_own_crossings:
+            amounts["cell path"] = solver.CASES - 1
         if self.assumed_range and self.evidence is None:
             from unitcell3d.identify import law_range
 
@@ -220,9 +230,9 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         of several kinds."""
         from unitcell3d.identify.own_crossings import of_own_crossings
 
-        pattern = self.woven.weave.pattern
-        if not (pattern.has_like_crossings and pattern.holds_yarns):
+        if not self.has_own_crossings:
             return law
+        pattern = self.woven.weave.pattern
         try:
             with progress.bar(f"Cell of a {pattern.name}") as advance:
                 return of_own_crossings(
