@@ -12,6 +12,7 @@ and `Weave.require_like_crossings`.
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -40,6 +41,23 @@ _TWILL_OF_HARNESSES = re.compile(r"(\d+)[ -]{0,3}(?:h|hs|harness|shaft|end)[ -](
 _FIRST_NUMBERS = re.compile(rf"{_NUMBERS} (basket|matt|panama|hopsack|twill)(?: ?weave)?")
 _CROWFOOT = re.compile(r"(crow ?foot|crow'?s ?foot)( satin)?( weave)?|satin 4")
 _ROWS = re.compile(r"[+-]+(/[+-]+)+")
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """A motion that takes warp yarn i to warp_sign i + warp, weft yarn j to weft_sign j + weft, as they are
+    or upside down."""
+
+    warp_sign: int
+    weft_sign: int
+    warp: int
+    weft: int
+    upside_down: bool
+
+    @property
+    def keeps_shear(self) -> bool:
+        """Whether a sheared weave has it too: no mirror plane, nor an axis in the plane."""
+        return self.warp_sign == self.weft_sign
 
 
 @dataclass(frozen=True)
@@ -227,11 +245,40 @@ class Pattern:
             return warps // 2, wefts // 2, -1
         return warps, wefts, 1
 
-    @property
-    def has_groups(self) -> bool:
-        """Whether neighbouring yarns of a family lie alike at all crossings, as in a basket."""
+    @cached_property
+    def symmetries(self) -> tuple[Symmetry, ...]:
+        """What takes the weave into itself, warp yarns to warp yarns, up to its repeat."""
         own = self.matrix
-        return any(bool((own == np.roll(own, 1, axis)).all(axis=1 - axis).any()) for axis in (0, 1))
+        warps, wefts = own.shape
+        found = []
+        for turned in itertools.product(
+            (1, -1), (1, -1), range(warps), range(wefts), (False, True)
+        ):
+            symmetry = Symmetry(*turned)
+            warp = symmetry.warp_sign * np.arange(warps) + symmetry.warp
+            weft = symmetry.weft_sign * np.arange(wefts) + symmetry.weft
+            image = self.is_warp_up(warp[:, None], weft)
+            if np.array_equal(image, own ^ symmetry.upside_down):
+                found.append(symmetry)
+        return tuple(found)
+
+    @property
+    def holds_yarns(self) -> bool:
+        """Whether each yarn is turned round by a symmetry of the weave, so that equal pulls at both its
+        ends do not move it along."""
+        for family, yarns in enumerate(self.matrix.shape):
+            of = "warp", "weft"
+            own, along = of[family], of[1 - family]
+            turned = {
+                yarn
+                for each in self.symmetries
+                for yarn in range(yarns)
+                if getattr(each, f"{along}_sign") < 0
+                and (getattr(each, f"{own}_sign") * yarn + getattr(each, own) - yarn) % yarns == 0
+            }
+            if len(turned) < yarns:
+                return False
+        return True
 
     @property
     def _changes(self):

@@ -1,6 +1,7 @@
 """Patterns of weaves: names, interlacings, sides, kinds of crossings; one place that knows them; who takes which."""
 
 import ast
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import weavecell as wc
 from fabrics import assumed, catalogue, ply_laws, variants
 from fabrics.base.errors import InputError
 from fabrics.base.run_cache import ADDED_LATER, inputs_digest
+from fabrics.compression import CompressionLaw
 from fabrics.pattern import PLAIN, Pattern
 from fabrics.variants import data_digest
 from fabrics.weave import Weave, arc_length
@@ -20,7 +22,7 @@ from shellfabric.cell.model import CellModel
 from shellfabric.impact import in_words
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.yarns.model import YarnZone
-from weavecell.api.calibration import PLAIN_CROSSING
+from weavecell.api.calibration import OWN_CROSSINGS, PLAIN_CROSSING
 from weavecell.cli.app import program
 from weavecell.report import chapters, derived
 from weavecell.studies import choice
@@ -412,15 +414,34 @@ def test_the_plain_crossing_of_a_weave_has_its_heights(weave, shares, own):
     assert PLAIN == wc.fabric("S-720").weave.of_plain_crossing().pattern
 
 
-@pytest.mark.slow(40)
-def test_a_law_of_a_weave_with_floats_is_that_of_its_plain_crossing(own):
+@pytest.mark.slow(20)
+def test_a_law_of_a_weave_with_crossings_of_several_kinds_is_that_of_its_plain_crossing(own):
     with pytest.raises(InputError, match="of a weave with floats, whose plain crossing is solved"):
-        wc.calibrate(own("basket 2x2"), fit_solid=True)
-    solved = wc.calibrate(own("basket 2x2"), mesh=(2, 2, 2), assumed_range=False)
-    assert solved.fabric.weave.pattern.name == "basket 2x2"
+        wc.calibrate(own("satin 5"), fit_solid=True)
+    solved = wc.calibrate(own("satin 5"), mesh=(2, 2, 2), assumed_range=False)
+    assert solved.fabric.weave.pattern.name == "satin 5"
     assert solved.law.provenance.endswith(f", {PLAIN_CROSSING}")
-    assert any(f"of a basket 2x2 is {PLAIN_CROSSING}" in line for line in solved.assumed)
-    assert solved.fabric.laws[0].fitted_data == data_digest(wc.fabric(own("basket 2x2")))
+    assert any(f"of a satin 5 is {PLAIN_CROSSING}" in line for line in solved.assumed)
+    assert solved.fabric.laws[0].fitted_data == data_digest(wc.fabric(own("satin 5")))
+
+
+@pytest.mark.slow(60)
+def test_a_law_of_a_twill_is_that_of_its_own_crossings(own, monkeypatch):
+    from unitcell3d.identify import own_crossings
+
+    monkeypatch.setattr(own_crossings, "SIZE", (2, 2, 1))
+    solved = wc.calibrate(own("twill 2/2"), mesh=(2, 2, 2), assumed_range=False)
+    crossing = solved.mesh.fabric
+    samples = own_crossings.solve_samples(crossing, (2, 2, 2), 0.0, "mesh")[:2]
+    plain = CompressionLaw.fit(*samples)
+    found = re.search(r"a times ([\d.]+) and b times ([\d.]+) in the cell", solved.law.provenance)
+    factors = [float(text) for text in found.groups()]
+    assert (solved.law.a, solved.law.b) == pytest.approx(
+        (plain.a * factors[0], plain.b * factors[1]), rel=5e-3
+    )
+    assert max(abs(np.log(factors))) > 0.02
+    assert solved.fabric.weave.pattern.name == "twill 2/2"
+    assert any(f"of a twill 2/2 is {OWN_CROSSINGS}" in line for line in solved.assumed)
 
 
 @pytest.mark.parametrize("point", [{}, {"impact_point": ("0 mm", "0 mm")}])
@@ -442,3 +463,13 @@ def test_a_page_shows_the_cell_of_crossings_of_several_kinds_by_their_mean(own, 
         assert ("mean of its crossings" in text) == said
     warp, weft = drawn[0]["both yarns stretched alike"]["curves"]["own"]
     assert 0 < warp[-1] != weft[-1] > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "symmetries", "held"),
+    [("plain", 16, True), ("basket 2x2", 16, True), ("satin 5", 10, True), ("crowfoot", 4, False)],
+)
+def test_symmetries_hold_the_yarns_along(name, symmetries, held):
+    pattern = Pattern.read(name)
+    assert len(pattern.symmetries) == symmetries
+    assert pattern.holds_yarns == held

@@ -25,6 +25,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
+from scipy.sparse import csgraph
 
 from fabrics.base.checks import FloatArray, IntArray
 
@@ -71,7 +72,10 @@ class Constraints:
 
 
 class Ties:
-    """Collects what is tied to what, and numbers the unknowns.
+    """Collects what is tied to what, in any order, and numbers the unknowns.
+
+    A component that is tied to its own negative, by itself or by way of others, is prescribed: it is
+    what the load drives it by.
 
     Parameters
     ----------
@@ -81,26 +85,19 @@ class Ties:
 
     def __init__(self, n: int, parameters: int) -> None:
         self.drive = np.zeros((3 * n, parameters))
-        self._sign = np.ones(3 * n)
-        # the component that carries the unknown; -1: prescribed
-        self._leader = np.arange(3 * n)
+        self._ties: list[tuple[IntArray, IntArray, float]] = []
 
     def hold(self, nodes: ArrayLike, component: int) -> None:
         """Prescribe a component: it is what the load drives it by."""
-        self._leader[3 * np.asarray(nodes) + component] = -1
+        self.follow(nodes, nodes, component, -1.0)
 
     def follow(
         self, nodes: ArrayLike, leaders: ArrayLike, component: int, parity: float = 1.0
     ) -> None:
         """Let a component of `nodes` be `parity` times that of `leaders` but for what the load
-        drives them by.
-
-        The leaders' own ties have to be made before.
-        """
-        own = 3 * np.asarray(nodes) + component
-        other = 3 * np.asarray(leaders) + component
-        self._leader[own] = self._leader[other]
-        self._sign[own] = parity * self._sign[other]
+        drives them by."""
+        own, other = (3 * np.ravel(each).astype(np.int64) + component for each in (nodes, leaders))
+        self._ties.append((own, other, parity))
 
     def follow_image(self, nodes: ArrayLike, leaders: ArrayLike, parity: float) -> None:
         """Let `nodes` be an image of `leaders`, as they are (parity 1) or upside down (-1)."""
@@ -127,11 +124,25 @@ class Ties:
 
     def done(self, ends: tuple) -> Constraints:
         """Return the Constraints; `ends` as there."""
-        carriers = np.unique(self._leader[self._leader >= 0])
-        number = np.full(len(self._leader), -1)
+        size = len(self.drive)
+        # each component is two points, itself and its negative, 2 c and 2 c + 1: what is tied is joined
+        first = []
+        second = []
+        for own, other, parity in self._ties:
+            for negative in (0, 1):
+                first.append(2 * own + negative)
+                second.append(2 * other + (negative if parity > 0 else 1 - negative))
+        places = tuple(np.concatenate([np.empty(0, np.int64), *part]) for part in (first, second))
+        joined = sparse.coo_matrix((np.ones(len(places[0])), places), shape=(2 * size, 2 * size))
+        _, group = csgraph.connected_components(joined, directed=False)
+        _, least = np.unique(group, return_index=True)
+        leader, sign = np.divmod(least[group[::2]], 2)
+        leader[group[::2] == group[1::2]] = -1
+        carriers = np.unique(leader[leader >= 0])
+        number = np.full(size, -1)
         number[carriers] = np.arange(len(carriers))
-        unknown = np.where(self._leader >= 0, number[self._leader], -1)
-        return Constraints(unknown, self._sign, self.drive, len(carriers), ends)
+        unknown = np.where(leader >= 0, number[leader], -1)
+        return Constraints(unknown, 1.0 - 2.0 * sign, self.drive, len(carriers), ends)
 
 
 def build(

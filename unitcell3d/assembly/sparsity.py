@@ -62,7 +62,10 @@ class Pattern:
 
     def holds(self, stencil: IntArray) -> bool:
         """Tell whether every pair of nodes of the stencils (m, s) has its block."""
-        return bool(np.all(np.isin(self._pairs(stencil), self._keys)))
+        pairs = self._pairs(stencil)
+        # the keys are sorted
+        places = np.minimum(np.searchsorted(self._keys, pairs), len(self._keys) - 1)
+        return bool(np.all(self._keys[places] == pairs))
 
     def places(self, stencil: IntArray) -> IntArray:
         """Return the number of the block (m, s, s) of each pair of nodes of the stencils (m, s)."""

@@ -66,24 +66,36 @@ def biaxial(
     ------
     InputError : the ratio stretches no yarn, or `max_displacement` is not positive
     """
-    shares = _proportions(ratio)
     if max_displacement is not None and not max_displacement > 0:
         raise InputError(key="max_displacement", value=max_displacement, allowed="positive")
-    stop = None
-    if max_displacement is None:
-        # no path goes on longer than to a straight yarn
-        straight = displacements_at_failure(fabric, beyond)
-        max_displacement = min(d / part for d, part in zip(straight, shares) if part > 0)
-        limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
-        stop = _worst_yarn(beyond * limits)
-        if pressed is not None:
-            stop = _worst_yarn_or_force(limits, beyond, pressed)
+    stop: Callable[[dict], float] | None
+    d, stop = path_to_failure(fabric, ratio, beyond, pressed)
+    if max_displacement is not None:
+        d *= max_displacement / abs(d).max()
+        stop = None
     model = CrossoverModel(crossover, fabric, numerics)
-    end = Load((float(shares[0] * max_displacement), float(shares[1] * max_displacement)))
+    end = Load((float(d[0]), float(d[1])))
+    shares = d / abs(d).max()
     facts = {"case": f"biaxial {shares[0]:g} : {shares[1]:g}"}
     return follow(
         model, [Load(), end], row(model), steps=steps, stop=stop, facts=facts, hooks=hooks
     )
+
+
+def path_to_failure(
+    fabric: Fabric, ratio: Sequence[float], beyond: float = 1.0, pressed: float | None = None
+) -> tuple[FloatArray, Callable[[dict], float]]:
+    """Return the farthest end (2,) [m] of a path along d1 : d2 = `ratio`, and what reaches 1 where it
+    is to end; parameters and errors as of `biaxial`."""
+    shares = _proportions(ratio)
+    # no path goes on longer than to a straight yarn
+    straight = displacements_at_failure(fabric, beyond)
+    farthest = min(d / part for d, part in zip(straight, shares) if part > 0)
+    limits = np.array([yarn.failure_strain for yarn in fabric.weave.yarns])
+    stop = _worst_yarn(beyond * limits)
+    if pressed is not None:
+        stop = _worst_yarn_or_force(limits, beyond, pressed)
+    return farthest * shares, stop
 
 
 def row(model: CrossoverModel) -> Callable[[Equilibrium, Load], dict[str, Any]]:

@@ -18,6 +18,7 @@ from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from meshing.crossover import Crossover
 from meshing.patch import Patch
+from unitcell3d.cases import biaxial_and_platens
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.model.periodic_cell import CellLoad, CellModel
 from unitcell3d.solver.path_following import Hook, follow
@@ -80,12 +81,30 @@ def biaxial(
 ) -> Record:
     """Stretch the weave in its own cell to the end displacements `d` : (2,) [m]; parameters as of
     `shear`."""
-    model = CellModel(mesh, fabric, numerics, failure=failure)
+    model = CellModel(mesh, fabric, numerics, sheared=False, failure=failure)
     loads = [CellLoad(model.w), CellLoad(model.w, tuple(map(float, d)))]
     return _followed(model, loads, [rows], "cell biaxial", hooks)
 
 
-def _followed(model, loads, counts, case, hooks):
+def to_failure(
+    mesh: Patch,
+    fabric: Fabric,
+    ratio: Sequence[float] = (1.0, 1.0),
+    *,
+    beyond: float = 1.0,
+    pressed: float | None = None,
+    numerics: Numerics | None = None,
+    hooks: Sequence[Hook] = (),
+) -> Record:
+    """Stretch the weave in its own cell until the mean fibre strain of a family is its failure strain;
+    parameters as of `biaxial_and_platens.biaxial`."""
+    model = CellModel(mesh, fabric, numerics, sheared=False)
+    d, stop = biaxial_and_platens.path_to_failure(fabric, ratio, beyond, pressed)
+    loads = [CellLoad(model.w), CellLoad(model.w, (float(d[0]), float(d[1])))]
+    return _followed(model, loads, None, "cell to failure", hooks, stop)
+
+
+def _followed(model, loads, counts, case, hooks, stop=None):
     fabric = model.fabric
     facts = {
         "case": case,
@@ -95,7 +114,7 @@ def _followed(model, loads, counts, case, hooks):
         "width": [2 * section.half_width for section in model.crossover.sections],
         "spacing": [2 * w for w in model.w[::-1]],
     }
-    return follow(model, loads, _row(model), rows=counts, facts=facts, hooks=hooks)
+    return follow(model, loads, _row(model), rows=counts, stop=stop, facts=facts, hooks=hooks)
 
 
 def _row(model):
@@ -123,7 +142,8 @@ def _row(model):
             "moment": moment,
             "tau": moment / smeared,
             "F_c": float(np.mean(abs(pairs.forces[: model.crossings]))),
-            "F_side": np.array([pairs.forces[acting][of == family].mean() for family in (0, 1)]),
+            "F_side": np.array([pairs.forces[acting][of == family].sum() for family in (0, 1)])
+            / model.crossings,
             "side_gap": np.array([gaps[of == family].min() for family in (0, 1)]),
             "thickness": model.thickness(x),
             "d_c": model.compression(x),

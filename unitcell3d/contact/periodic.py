@@ -234,55 +234,6 @@ class Sides(Frictionless):
         )
 
 
-class Stick(Frictionless):
-    """Springs in the plane between the middles of two yarns where they cross: so weak that they bear
-    nothing, enough that a slack yarn does not drift.
-
-    nodes : (crossings, 2)
-    stiffness : [N/m] of each
-    """
-
-    gaps = np.empty(0)
-    deepest = 0.0
-
-    def __init__(self, nodes: IntArray, stiffness: float = 30.0) -> None:
-        self._nodes = np.asarray(nodes, np.int64)
-        self._stiffness = stiffness
-        self.largest = 0.0
-
-    def expected_stencils(self) -> IntArray:
-        """Return the stencils."""
-        return self._nodes
-
-    def build_pattern(self, pattern: Pattern) -> None:
-        """Look up the places."""
-        self._places = pattern.places(self._nodes)
-
-    def pattern_outdated(self) -> bool:
-        """Return False: the springs stay where they are."""
-        return False
-
-    def assemble(
-        self,
-        x: FloatArray,
-        numerics: Numerics,
-        forces: FloatArray,
-        values: FloatArray | None = None,
-    ) -> float:
-        """Add forces and tangent as `surfaces.SurfacePairs.assemble` does; no force presses."""
-        pull = self._stiffness * (x[self._nodes[:, 1]] - x[self._nodes[:, 0]])
-        pull[:, VERTICAL] = 0.0
-        self.largest = float(abs(pull).max(initial=0.0))
-        np.add.at(forces, self._nodes[:, 1], pull)
-        np.add.at(forces, self._nodes[:, 0], -pull)
-        if values is not None:
-            block = self._stiffness * np.diag([1.0, 1.0, 0.0])
-            for a in (0, 1):
-                for b in (0, 1):
-                    np.add.at(values, self._places[:, a, b], block if a == b else -block)
-        return 0.0
-
-
 def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Edges]]:
     """Pair the parallel neighbours of a cell where they pass each other, first warps, then wefts; some of
     them are images. Returns each with its family.

@@ -22,9 +22,12 @@ from fabrics.base.executors import CONTEXT, cancel, open_executor
 from fabrics.base.record import Record
 from fabrics.fabric import Fabric
 from meshing import crossover as mesher
+from meshing import patch
+from meshing.crossover import Crossover
 from meshing.inputs import Size
 from meshing.mesh_file import MeshFile
-from unitcell3d.cases import biaxial_and_platens
+from meshing.patch import Patch
+from unitcell3d.cases import biaxial_and_platens, periodic_cell
 from unitcell3d.identify.calibration import PLATES, Calibration, evaluate
 from unitcell3d.model.crossover import Numerics
 from unitcell3d.solver.load_stepping import Steps
@@ -307,29 +310,33 @@ class _Run:
         self.outcomes[fabric.name] = found
 
 
+def build_mesh(fabric: Fabric, size: Size) -> Crossover | Patch:
+    """Mesh what stands for a weave: a crossover, or with floats the cell of its pattern."""
+    pattern = fabric.weave.pattern
+    if pattern.is_plain:
+        return mesher.build(fabric, size=size)
+    return patch.build(fabric, pattern.cell[:2], size=size)
+
+
 def run_job(job: Job) -> tuple[Record, float]:
     """Run one job: (Record, wall time [s])."""
     begun = time.perf_counter()
-    mesh = mesher.build(job.fabric, size=job.size)
 
     def on_progress(share, row):
         if _queue is not None:
             _queue.put((job.fabric.name, job.name, share))
 
+    same: dict[str, Any] = {"numerics": job.numerics, "hooks": (on_progress,)}
     if job.ratio is None:
-        history = biaxial_and_platens.plate_compression(
-            mesh, job.fabric, numerics=job.numerics, hooks=(on_progress,)
-        )
+        crossover = mesher.build(job.fabric, size=job.size)
+        history = biaxial_and_platens.plate_compression(crossover, job.fabric, **same)
     else:
-        history = biaxial_and_platens.biaxial(
-            mesh,
-            job.fabric,
-            job.ratio,
-            beyond=job.beyond,
-            pressed=job.pressed,
-            numerics=job.numerics,
-            hooks=(on_progress,),
-        )
+        same |= {"beyond": job.beyond, "pressed": job.pressed}
+        mesh = build_mesh(job.fabric, job.size)
+        if isinstance(mesh, Patch):
+            history = periodic_cell.to_failure(mesh, job.fabric, job.ratio, **same)
+        else:
+            history = biaxial_and_platens.biaxial(mesh, job.fabric, job.ratio, **same)
     return replace(history, facts=history.facts | {"case": job.name}), time.perf_counter() - begun
 
 

@@ -26,9 +26,8 @@ from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import NORMAL_95, CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_solids
-from meshing import crossover
 from meshing.inputs import Size
-from unitcell3d.identify.calibrate import path_jobs, run_job
+from unitcell3d.identify.calibrate import build_mesh, path_jobs, run_job
 from unitcell3d.identify.calibration import samples
 from unitcell3d.identify.solid_record import NAMES, SolidFit
 from unitcell3d.material.numerics import FRACTIONS, fraction_of
@@ -237,7 +236,7 @@ def solve_samples(
 
 def _packed_later(fabric, size):
     """Return the fabric with V_c above the density that the mesh gives its yarns."""
-    dense = crossover.build(fabric, size=size).Vf0
+    dense = build_mesh(fabric, size).Vf0
     laws = [
         replace(law, V_c=max(law.V_c, Vf0 + _LEAST_ROOM))
         for law, Vf0 in zip(fabric.solid_laws or (), dense)

@@ -34,6 +34,7 @@ from meshing.crossover import Crossover
 from meshing.patch import Patch
 from unitcell3d.assembly.constraints import VERTICAL, Constraints, Ties
 from unitcell3d.assembly.periodic_images import Images
+from unitcell3d.assembly.symmetries import partners
 from unitcell3d.contact import periodic
 from unitcell3d.contact.surfaces import SurfacePairs
 from unitcell3d.model.crossover import LinearLoad, Numerics, YarnsModel, check
@@ -131,12 +132,17 @@ class CellConstraints(Constraints):
 
 
 class CellModel(YarnsModel):
-    """A crossover or four in the weave.
+    """A crossover, or a repeat of the weave or half of one, in the weave.
+
+    What takes the weave and its load into themselves takes the yarns into each other too: nodes follow
+    those that they are taken to (`assembly.symmetries`). So no yarn drifts, with nothing to hold it.
 
     Parameters
     ----------
-    mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of 2 x 2
+    mesh : meshing.crossover.Crossover, a whole one, or meshing.patch.Patch of `Pattern.cell`
     fabric : Fabric
+    sheared : whether loads shear it; mirror planes of the weave are none of it then, and a basket, whose
+        groups nothing else holds, has no equilibrium
     numerics, failure : as in a `model.crossover.YarnsModel`
 
     Raises
@@ -151,11 +157,14 @@ class CellModel(YarnsModel):
         mesh: Crossover | Patch,
         fabric: Fabric,
         numerics: Numerics | None = None,
+        *,
+        sheared: bool = True,
         **choices: Any,
     ) -> None:
         check(mesh, fabric)
+        pattern = fabric.weave.pattern
+        symmetries = [each for each in pattern.symmetries if each.keeps_shear or not sheared]
         if isinstance(mesh, Patch):
-            pattern = fabric.weave.pattern
             *least, parity = pattern.cell
             whole = [n % m == 0 for n, m in zip(mesh.count, pattern.matrix.shape)]
             fits = all(whole) or (parity < 0 and list(mesh.count) == least)
@@ -179,23 +188,18 @@ class CellModel(YarnsModel):
         self.beside = [*edges, *sides]
         beside = [(side,) for _, side in self.beside]
         self._columns = periodic.columns(mesh, cells)
-        # of plain weave, crossings are centres of two-fold axes
-        self.like = fabric.weave.pattern.is_plain
-        if not self.like:
-            through = self._columns.shape[2]
-            beside.append((periodic.Stick(self._columns[..., through // 2]),))
         super().__init__(
             mesh,
             fabric,
             numerics,
-            self._tied(mesh, images),
+            self._tied(mesh, images, cells, symmetries),
             SurfacePairs([*crossing, *beside]),
             None,
             points=images.points,
             **choices,
         )
 
-    def _tied(self, mesh, images):
+    def _tied(self, mesh, images, cells, symmetries):
         ties = Ties(len(images.points), 12)
         ties.drive[:] = images.drive()
         for grid in mesh.grids:
@@ -203,18 +207,16 @@ class CellModel(YarnsModel):
             if self.parity <= 0:
                 end = end[:, ::-1]
             ties.follow_image(end, grid[0], self.parity)
-        for yarn, grid in enumerate(mesh.grids):
-            # crossings of a plain weave are centres of two-fold axes: they stay where the trellis takes
-            # them; of another, one node is held, as the whole cell could drift
-            if yarn and not self.like:
-                break
-            nx, ny, nz = grid.shape
-            middle = grid[nx // 2 // self.period[mesh.families[yarn]], ny // 2, nz // 2]
-            for component in PLANE:
-                ties.hold(middle, component)
-        if self.parity > 0:  # repeated as it is, nothing else holds the cell at its height
-            for face in (mesh.grids[0][0], mesh.grids[0][-1]):
-                ties.hold(face[face.shape[0] // 2, face.shape[1] // 2], VERTICAL)
+        for symmetry in symmetries:
+            nodes, partner, signs = partners(mesh, cells, self.period, self.parity, symmetry)
+            for component in (*PLANE, VERTICAL):
+                for sign in (1.0, -1.0):
+                    at = signs[:, component] == sign
+                    ties.follow(partner[at], nodes[at], component, sign)
+        if not any(symmetry.upside_down for symmetry in symmetries):
+            # nothing else holds the cell at its height
+            face = mesh.grids[0][0]
+            ties.hold(face[face.shape[0] // 2, face.shape[1] // 2], VERTICAL)
         for image, base, flips in images.followers():
             ties.follow_image(image, base, -1.0 if flips else 1.0)
         held = ties.done(())

@@ -72,6 +72,7 @@ SURFACE_LINES = 5
 NAMES_OF_SOLID = ("E_c", "V_c", "K_r")
 SOLID_UNITS = {"E_a": " Pa", "E_c": " Pa", "K_r": "", "K_G": "", "V_c": "", "Vf0": ""}
 FROM_FITTED = "rms from the fitted law"
+OWN_CROSSINGS = "that of the plain crossing, as much softer or stiffer as its own cell is"
 PLAIN_CROSSING = "assumed: that of the plain crossing of the same yarns"
 WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
 
@@ -131,12 +132,22 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         """What the paths are solved of."""
         return [(self.fabric, self.size, self.friction, self.evidence, self.fraction)]
 
+    @property
+    def has_own_crossings(self) -> bool:
+        """Whether the cell of a weave with floats is solved: its crossings are all alike."""
+        if self.woven is None:
+            return False
+        pattern = self.woven.weave.pattern
+        return pattern.has_like_crossings and pattern.holds_yarns
+
     def forecast(self) -> WorkSize:
         """Count the paths, those of the ends of an assumed law too, and hexahedra and nodes."""
         from unitcell3d.identify import calibrate as solver
 
         built = meshes.of_calibration(self.fabric, self.size)
         amounts = {"path": solver.CASES}
+        if self.has_own_crossings:
+            amounts["cell path"] = solver.CASES - 1
         if self.assumed_range and self.evidence is None:
             from unitcell3d.identify import law_range
 
@@ -173,12 +184,19 @@ class CalibrationPlan(Plan["CalibrationResult"]):
                 **choices,
             )
         around = self._find_range(fabric, solid, done.law, running)
+        law = done.law
+        if self.woven is not None:
+            law = self._of_own_crossings(fabric, law, running)
+            whose = OWN_CROSSINGS
+            if law is done.law:
+                law = replace(law, provenance=f"{law.provenance}, {PLAIN_CROSSING}")
+                whose = PLAIN_CROSSING
+            note = f"{fabric.name}: the compression law of a {self.woven.weave.pattern.name} is {whose}"
+            built = replace(built, fabric=replace(fabric, notes=(*fabric.notes, note)))
+        done = replace(done, law=law)
         if around is not None:
             done = replace(done, law=around.around(done.law))
-        law = replace(done.law, fitted_data=digest)
-        if self.woven is not None:
-            law = replace(law, provenance=f"{law.provenance}, {PLAIN_CROSSING}")
-        done = replace(done, law=law)
+        done = replace(done, law=replace(done.law, fitted_data=digest))
         surface = None
         if solid is not None and solid.pulls:
             surface = _surface(fabric, running.how.solver_pool)
@@ -201,6 +219,30 @@ class CalibrationPlan(Plan["CalibrationResult"]):
         # what is doubtful of the law goes with it
         shot_at = replace(result.fabric, laws=(result.law, result.law))
         return running.save(replace(result, fabric=shot_at))
+
+    def _of_own_crossings(self, crossing, law, running):
+        """Return the law of the weave's own crossings; that of the plain one where they have none, or are
+        of several kinds."""
+        from unitcell3d.identify.own_crossings import of_own_crossings
+
+        if not self.has_own_crossings:
+            return law
+        pattern = self.woven.weave.pattern
+        try:
+            with progress.bar(f"Cell of a {pattern.name}") as advance:
+                return of_own_crossings(
+                    law,
+                    crossing,
+                    pattern,
+                    fraction=self.fraction,
+                    folder=running.runs,
+                    friction=self.friction,
+                    report=lambda done, total: advance(done / total, f"{done} of {total} cells"),
+                    **running.how.solver_pool,
+                )
+        except UnstableError as problem:
+            logging.getLogger("weavecell").warning(str(problem))
+            return law
 
     def _note_fractions(self, built, solid):
         """The note on fibre fractions, which is logged; "" without one."""
@@ -423,17 +465,13 @@ def _read_evidence(fabric, platen_curve, biaxial, fitted, constants):
 
 
 def _take_plain_crossing(fabric):
-    """The fabric, or the plain crossing of the yarns of a weave with floats, which is told."""
+    """The fabric, or the plain crossing of the yarns of a weave with floats."""
     if fabric.weave.pattern.is_plain:
         return fabric
-    note = (
-        f"{fabric.name}: the compression law of a {fabric.weave.pattern.name} is {PLAIN_CROSSING}"
-    )
     return replace(
         fabric,
         weave=fabric.weave.of_plain_crossing(),
         thickness=fabric.weave.thickness,
-        notes=(*fabric.notes, note),
     )
 
 

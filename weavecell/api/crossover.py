@@ -229,7 +229,7 @@ def biaxial(
     failure : let fibres fail at their failure strain
     friction : Coulomb's coefficient between the yarns
     domain : the whole crossover, or a periodic cell: 2 x 2 yarns of plain weave, the least that
-        repeats of a twill
+        repeats of a weave with floats
     check : solve nothing and write nothing: count hexahedra and nodes
     **shared : mesh, out, section and yarn_gap
 
@@ -473,10 +473,10 @@ def _check_weave(fabric, case, domain):
     if case != "biaxial":
         line = f"is a {pattern.name}, whose cell is solved in biaxial tension alone"
         raise InputError(line, key="fabric", value=fabric.name)
-    if pattern.cell[2] > 0 or pattern.has_groups or not pattern.has_like_crossings:
+    if not pattern.holds_yarns:
         line = (
-            f"is a {pattern.name}: of weaves with floats only cells of even twills as 2/2 are solved; in groups of "
-            "yarns, 3/1 twill and satin no equilibrium was found up to the strength"
+            f"is a {pattern.name}, no symmetry of which turns each yarn round: nothing holds its yarns along "
+            "in their cell, which is not solved"
         )
         raise InputError(line, key="fabric", value=fabric.name)
     if domain != "periodic":

@@ -124,7 +124,7 @@ crimp = "{crimp} %"
 
 
 def test_a_twill_is_stretched_in_its_own_cell(succeed, command, tmp_path, monkeypatch):
-    """Two by two yarns, half of the repeat; one crossover of it, its shear and a basket are refused in a line."""
+    """Two by two yarns, half of the repeat; one crossover of it, its shear and a crowfoot are refused in a line."""
     monkeypatch.setattr(periodic_cell, "biaxial", partial(periodic_cell.biaxial, rows=1))
     (tmp_path / "t.toml").write_text(TWILL)
     line = "crossover biaxial t.toml --end-displacement '0.1 um' --mesh 3,2,1"
@@ -133,12 +133,12 @@ def test_a_twill_is_stretched_in_its_own_cell(succeed, command, tmp_path, monkey
     assert record.facts["crossings"] == 4
     assert record.failed == ""
     assert record["d_c"].shape == record["T1"].shape
-    (tmp_path / "b.toml").write_text(TWILL.replace("twill 2/2", "basket 2x2"))
+    (tmp_path / "b.toml").write_text(TWILL.replace("twill 2/2", "crowfoot"))
     for words, said in (
         (line, "domain = 'whole': must be periodic: one crossover of a twill 2/2 is no cell of it"),
         (
             f"{line} --domain periodic".replace("t.toml", "b.toml"),
-            "FABRIC = 't': is a basket 2x2: of weaves",
+            "FABRIC = 't': is a crowfoot, no symmetry of which",
         ),
         (
             "crossover shear t.toml --domain periodic",
