@@ -6,8 +6,11 @@ import re
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import weavecell as wc
+from fabrics import catalogue
 from fabrics.base.units import si
 from tests.weavecell.session_runs import RUNS
 from weavecell.decks import folder
@@ -115,6 +118,65 @@ def test_the_summary_of_a_deck_states_its_options_and_errors(tmp_path, to, match
     assert "NOT RUN in it" in head
     page = (tmp_path / "report.html").read_text()
     assert f"errs by {100 * max(errors.values()):.1f} % of the strength at most" in page
+
+
+def thickness_of(name):
+    """[m] twice the heights of warp and weft: cosines whose length is that of the crimped yarn, by quadrature."""
+    weave = catalogue.load(name).weave
+    total = 0.0
+    for yarn, count in zip(weave.yarns, (weave.weft_count, weave.warp_count)):
+        cell = 1 / count  # the spacing of the family that crosses
+
+        def excess(height):
+            slope = lambda x: np.pi * height / cell * np.sin(np.pi * x / cell)  # noqa: B023, E731
+            return quad(lambda x: np.hypot(1, slope(x)), 0, cell)[0] - cell * (1 + yarn.crimp)  # noqa: B023
+
+        total += 2 * brentq(excess, 0, cell)
+    return total
+
+
+def test_plies_of_a_pack_are_as_thick_and_as_far_apart_as_the_result_says(results):
+    """Three plies of two fabrics: their middle surfaces are half of both thicknesses and the gap apart."""
+    shot = wc.load(results("pack").folder)
+    thick = [thickness_of(name) for name in ("S-728", "S-726", "S-726")]
+    assert shot.thickness == pytest.approx(thick, rel=1e-6)
+    assert shot.gaps[1] == pytest.approx(5e-5)
+    halves = 0.5 * np.add(thick[1:], thick[:-1])
+    assert np.diff(shot.z_rest) == pytest.approx(halves + shot.gaps, rel=1e-6)
+
+
+def test_plies_of_a_deck_are_as_thick_as_far_apart_and_as_heavy_as_their_fabrics(tmp_path):
+    """Nodes, sections and densities of the written file: of two unlike plies, by their heights, counts and crimps."""
+    plies = [{"name": "S-728"}, {"name": "S-726", "angle": "90 deg"}]
+    options = {"opening": "20 mm", "ply_gap": "0.07 mm", "elements_per_crossover": 1}
+    wc.export(wc.setup(None, "90 m/s", ply=plies, **options), "lsdyna", tmp_path)
+    (deck,) = tmp_path.glob("*.k")
+    blocks = re.split(r"^(?=\*)", deck.read_text(), flags=re.MULTILINE)
+    rows = {
+        word: [
+            [line for line in block.splitlines()[1:] if line[:1] != "$"]
+            for block in blocks
+            if block.startswith(word + "\n")
+        ]
+        for word in ("*NODE", "*ELEMENT_SHELL", "*SECTION_SHELL_TITLE", "*MAT_FABRIC_TITLE")
+    }
+    height = {int(line[:8]): float(line[40:56]) for line in rows["*NODE"][0]}
+    place = {int(line[8:16]): height[int(line[16:24])] for line in rows["*ELEMENT_SHELL"][0]}
+    thick = [thickness_of(ply["name"]) for ply in plies]
+    assert place[2] - place[1] == pytest.approx(0.5 * sum(thick) + 7e-5, rel=1e-4)
+    for ply, wanted, (_, _, section), (_, card, *_) in zip(
+        plies, thick, rows["*SECTION_SHELL_TITLE"], rows["*MAT_FABRIC_TITLE"]
+    ):
+        assert [float(section[10 * n : 10 * n + 10]) for n in range(4)] == pytest.approx(
+            [wanted] * 4, rel=1e-3
+        )
+        weave = catalogue.load(ply["name"]).with_effective_density().weave
+        counts = (weave.warp_count, weave.weft_count)
+        mass = sum(
+            count * yarn.linear_density * (1 + yarn.crimp)
+            for yarn, count in zip(weave.yarns, counts)
+        )
+        assert float(card[10:20]) * wanted == pytest.approx(mass, rel=1e-3)
 
 
 def test_the_picture_of_a_coupon_is_its_piece():
