@@ -310,8 +310,11 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             raise InputError(
                 key=f"over, {key}", value=values, allowed="a list of one value or more"
             )
-        # a key that is given again has more values
-        keys[key] = keys.get(key, []) + listed
+        for value in listed:
+            # a key that is given again has more values
+            if value in keys.setdefault(key, []):
+                raise InputError("is given twice", key=f"over, {key}", value=value)
+            keys[key].append(value)
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
     factors = inputs.table("range")
@@ -359,7 +362,7 @@ def _refuse_alike(plan):
 
     Raises
     ------
-    InputError : it names a key that makes no difference, or a value that is given twice
+    InputError : it names a key that makes no difference
     """
     seen: dict[str, dict[str, Any]] = {}
     for changes, of_row in zip(plan.combinations, plan.inputs):
@@ -367,10 +370,8 @@ def _refuse_alike(plan):
         before = seen.setdefault(digest, changes)
         if before is changes:
             continue
-        differ = [key for key in changes if changes[key] != before.get(key)]
-        key = (differ or list(changes))[0]
-        other = _say_changes(before)
-        message = f"makes the same set-up as {other}" if differ else "is given twice"
+        key = next(key for key in changes if changes[key] != before.get(key))
+        message = f"makes the same set-up as {_say_changes(before)}"
         raise InputError(message, key=f"over, {key}", value=changes[key])
 
 

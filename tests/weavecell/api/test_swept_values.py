@@ -80,6 +80,7 @@ def test_values_of_a_key_that_is_given_again_are_all_there(planned):
     "over, options, line",
     [
         ("panel.plies=1,1", {}, "over, panel.plies = 1: is given twice"),
+        ("panel.plies=1,2;modulus=1.1,1.10", {}, "over, modulus = 1.1: is given twice"),
         ("title=a,b", {}, "over, title = ['a', 'b']: must be left out: shot does not read it"),
         ("run.outputs=report,pictures", {}, "over, run.outputs = "),
         (
@@ -98,7 +99,7 @@ def test_values_of_a_key_that_is_given_again_are_all_there(planned):
 )
 def test_what_makes_no_difference_is_refused_by_name(planned, over, options, line):
     with pytest.raises(InputError) as caught:
-        planned([over], **options)
+        planned(over.split(";"), **options)
     assert str(caught.value).startswith(line)
 
 
