@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import product
 from math import isfinite, nan
 
 import numpy as np
@@ -114,30 +115,24 @@ SYNONYMS = {
         "pullout load",
         "pullout force",
     ),
-    # of biaxial machines
-    "warp strain": ("strain warp", "strain in warp", "warp elongation"),
-    "weft strain": (
-        "strain weft",
-        "strain in weft",
-        "weft elongation",
-        "fill strain",
-        "strain fill",
-    ),
-    "warp load": ("load warp", "warp tension", "tension warp", "warp force", "force warp"),
-    "weft load": (
-        "load weft",
-        "weft tension",
-        "tension weft",
-        "weft force",
-        "force weft",
-        "fill load",
-        "fill tension",
-        "fill force",
-    ),
     # of data sheets
     "warp": ("ends",),
     "weft": ("fill", "filling", "picks"),
 }
+# of biaxial machines: "fill tension", "load per width in warp", "elongation weft"
+_DIRECTIONS = {"warp": ("warp",), "weft": ("weft", "fill")}
+_MEASURED = {
+    "strain": ("strain", "elongation"),
+    "load": (
+        *(f"{word}{of}" for word in ("load", "tension", "force") for of in ("", " per width")),
+        "line load",
+        "membrane force",
+    ),
+}
+for (_name, _own), (_kind, _words) in product(_DIRECTIONS.items(), _MEASURED.items()):
+    _forms = ("{0} {1}", "{1} {0}", "{1} in {0}")
+    _said = [form.format(*pair) for pair in product(_own, _words) for form in _forms]
+    SYNONYMS[f"{_name} {_kind}"] = tuple(_said[1:])
 # what instruments write for a unit, in small letters
 _UNITS = {
     "sec": "s",
@@ -348,7 +343,8 @@ def find_name(
 def _name_pattern(name):
     """Pattern of a name at the beginning of a text, which may be a comment."""
     words = _BETWEEN_WORDS.join(re.escape(word) for word in name.replace("_", " ").split())
-    return re.compile(rf"[#\s]*{words}(?![^\W_])", re.IGNORECASE)
+    # "Test No." is abbreviated
+    return re.compile(rf"[#\s]*{words}\.?(?![^\W_])", re.IGNORECASE)
 
 
 def _unit_behind(rest, takes):

@@ -27,7 +27,7 @@ from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.door import in_terminal
-from fabrics.base.errors import InputError, nearest
+from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
 from fabrics.base.frozen import explain_frozen
@@ -230,9 +230,10 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         a set-up of `setup`, or several set-ups without `over`, of which each is fired as `impact`
         does
     over : KEY=VALUE,VALUE,... of the input file, may be given again, for all combinations; in
-        Python also a dict. A key is also one of modulus, failure_strain, crimp_warp, crimp_weft,
-        areal_density, compression_a, compression_b, trellis_stiffness, trellis_angles and
-        failure_length, whose values are factors on that number of all fabrics
+        Python also a dict, whose numbers are in SI units. A key is also one of modulus,
+        failure_strain, crimp_warp, crimp_weft, areal_density, compression_a, compression_b,
+        trellis_stiffness, trellis_angles and failure_length, whose values are factors on that
+        number of all fabrics
     quantity : what is computed of each: shot, critical-velocity or v50
     tolerance : of a critical velocity, highest stop and lowest perforation differ by this at most
         [m/s]; if not given by 1 m/s of one ply, about 5 % of a pack, whose result is V50 with its
@@ -300,6 +301,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         quantities.refuse_unused({"tolerance": tolerance}, f"with {quantity}")
     width, count, first = quantities.read_search(tolerance, shots, seed, usual=(None, 16))
     keys: dict[str, list[Any]] = {}
+    in_si = isinstance(over, Mapping)
     for key, values in over.items() if isinstance(over, Mapping) else map(parse, over or ()):
         listed = []
         if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
@@ -308,8 +310,11 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             raise InputError(
                 key=f"over, {key}", value=values, allowed="a list of one value or more"
             )
-        # a key that is given again has more values
-        keys[key] = keys.get(key, []) + listed
+        for value in listed:
+            # a key that is given again has more values
+            if value in keys.setdefault(key, []):
+                raise InputError("is given twice", key=f"over, {key}", value=value)
+            keys[key].append(value)
     if not keys:
         raise InputError("is missing", key="over", allowed=OVER)
     factors = inputs.table("range")
@@ -331,7 +336,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
             allowed = f"left out: {quantity} does not read it, and all rows would be alike"
             raise InputError(key=f"over, {key}", value=values, allowed=allowed)
     combinations = _combinations(keys, one_at_a_time)
-    panels = [_panel(target, Path(out or "."), reader, each) for each in combinations]
+    panels = [_panel(target, Path(out or "."), reader, each, in_si) for each in combinations]
     for panel in panels:
         if quantity == "v50":
             strengths.check(panel.setup, inputs.read_scatter())
@@ -357,7 +362,7 @@ def _refuse_alike(plan):
 
     Raises
     ------
-    InputError : it names a key that makes no difference, or a value that is given twice
+    InputError : it names a key that makes no difference
     """
     seen: dict[str, dict[str, Any]] = {}
     for changes, of_row in zip(plan.combinations, plan.inputs):
@@ -365,10 +370,8 @@ def _refuse_alike(plan):
         before = seen.setdefault(digest, changes)
         if before is changes:
             continue
-        differ = [key for key in changes if changes[key] != before.get(key)]
-        key = (differ or list(changes))[0]
-        other = _say_changes(before)
-        message = f"makes the same set-up as {other}" if differ else "is given twice"
+        key = next(key for key in changes if changes[key] != before.get(key))
+        message = f"makes the same set-up as {_say_changes(before)}"
         raise InputError(message, key=f"over, {key}", value=changes[key])
 
 
@@ -402,9 +405,9 @@ def _combinations(keys, one_at_a_time):
     return [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
 
 
-def _panel(target, folder, reader, changes):
+def _panel(target, folder, reader, changes, in_si):
     """The Target with the values of some keys, and factors on numbers of its fabrics, in place of
-    its own."""
+    its own; numbers of quantities are in SI units, or need a unit as in a file."""
     from weavecell.studies import inputs
 
     factors = {key: value for key, value in changes.items() if key in inputs.table("range")}
@@ -419,12 +422,33 @@ def _panel(target, folder, reader, changes):
         varied = vary_setup(target, keys)
         panel = Target(None, varied, "", varied.title, from_file=False)
     else:
-        panel = read_target(str(target), folder, reader, changes=keys)
+        written = {key: _with_unit(key, value) for key, value in keys.items()} if in_si else keys
+        try:
+            panel = read_target(str(target), folder, reader, changes=written)
+        except InputError as problem:
+            # no line of the file has these values
+            parts = getattr(problem, "problems", (problem,))
+            raise together(
+                [
+                    part.changed(file=None, key=f"over, {part.key}") if part.key in keys else part
+                    for part in parts
+                ]
+            ) from None
     if not factors:
         return panel
     if panel.setup.surface is not None:
         raise InputError("a response surface holds for one fabric", key=next(iter(factors)))
     return replace(panel, setup=inputs.scale_setup(panel.setup, **factors))
+
+
+def _with_unit(key, value):
+    """A value in SI units as a file has it."""
+    unit = unit_of(entries(scenes.Scene).get(key)) or "1"
+    if isinstance(value, list):
+        return [_with_unit(key, part) for part in value]
+    if unit == "1" or isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
+    return f"{value!r} {unit}"
 
 
 def _over(key, values):
@@ -436,7 +460,8 @@ def _over(key, values):
 
 def _say_changes(changes):
     """What a row changes, in words."""
-    return ", ".join(f"{_say_key(key)} {value}" for key, value in changes.items()) or "input file"
+    said = (f"{_say_key(key)} {_with_unit(key, value)}" for key, value in changes.items())
+    return ", ".join(said) or "input file"
 
 
 def _say_key(key):

@@ -408,7 +408,8 @@ class Scene(Table):
         for key in OF_ONE_FABRIC if panel.ply else ():
             taken = any(not ply.names_fabric and getattr(ply, key) is None for ply in panel.ply)
             if not taken and getattr(fabric, key) is not None and key in fabric.model_fields_set:
-                words = f"left out where each [[panel.ply]] names its fabric or has {key}: no ply takes it"
+                own = "" if key in ("name", "file") else f" or has {key}"
+                words = f"left out where each [[panel.ply]] names its fabric{own}: no ply takes it"
                 raise InputError(key=f"fabric.{key}", allowed=words)
         if any(named) and fabric.sets("bending"):
             words = "left out where a [[panel.ply]] names its fabric: it would be that of all yarns"

@@ -35,7 +35,7 @@ from weavecell.scenes.sheet_cells import (
 from weavecell.scenes.sheet_names import ALL, DESCRIPTION, PATTERNS, WEAVE, Name, fold
 
 MOST_LINES = 1000
-MARKS = ("|", "\t", ";", ",", "")
+MARKS = ("|", "\t", ";", ",", "&", "")
 # mass of straight yarns over that of the fabric
 STRAIGHT = (0.8, 1.1)
 # keys for which the least value may stand, which is what makers promise
@@ -45,7 +45,7 @@ A_HEADING = "a heading"
 SEVERAL = "is of several fabrics: name the file after one of them, or leave one in it"
 
 
-@dataclass
+@dataclass(eq=False)
 class Line:
     """A line of a sheet: the keys that it is used for, or why it is not used."""
 
@@ -76,8 +76,7 @@ def read(path: FilePath, hints: Sequence[str] = ()) -> Sheet:
     InputError : no file, or nothing of it is understood
     """
     try:
-        # no comment of a TOML file has control characters
-        text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", " ", read_text(path))
+        text = sheet_names.rewrite("in_sheets", read_text(path))
     except OSError as problem:
         allowed = f"a data sheet ({problem.strerror})"
         raise InputError("cannot be read", file=path, allowed=allowed) from problem
@@ -87,13 +86,13 @@ def read(path: FilePath, hints: Sequence[str] = ()) -> Sheet:
     named = [fold(hint) for hint in (Path(path).stem, *hints)]
     sheets = [_Reader(lines, mark, Path(path).name, named).sheet() for mark in MARKS]
     best = max(sheets, key=lambda one: (len(one.values), sum(len(each.keys) for each in one.lines)))
-    if not best.values:
-        for line in (line for each in sheets for line in each.lines):
-            if line.why == SEVERAL or "disagree" in line.why:
-                raise InputError(line.why, file=path, key=f"line {line.number}")
-        allowed = "lines of a name, a number and a unit, such as Thickness: 0.30 mm"
-        raise InputError("nothing of this sheet is understood", file=path, allowed=allowed)
-    return best
+    if best.values:
+        return best
+    for line in (line for each in sheets for line in each.lines):
+        if line.why == SEVERAL or "disagree" in line.why:
+            raise InputError(line.why, file=path, key=f"line {line.number}")
+    allowed = "lines of a name, a number and a unit, such as Thickness: 0.30 mm"
+    raise InputError("nothing of this sheet is understood", file=path, allowed=allowed)
 
 
 class _Reader:
@@ -101,10 +100,11 @@ class _Reader:
 
     def __init__(self, lines, mark, file, hints):
         self.mark, self.file, self.hints = mark, file, hints
-        texts = [(number, text) for number, text in enumerate(lines, 1) if re.search(r"\w", text)]
-        of_lines = [(Line(number, text.strip()), text) for number, text in texts]
-        self.lines = [line for line, _ in of_lines]
-        self.rows = [(line, cells) for line, text in of_lines for cells in self.split(text)]
+        texts = {n: text for n, text in enumerate(lines, 1) if re.search(r"\w", text)}
+        self.lines = [Line(number, text.strip()) for number, text in texts.items()]
+        self.rows = [
+            (line, cells) for line in self.lines for cells in self.split(texts[line.number])
+        ]
         untreated = PATTERNS["untreated"].sub(" ", fold(" ".join(lines)))
         self.treated = sheet_names.has_word("treated", untreated)
         self.columns: list[str] = []  # role of each
@@ -135,26 +135,25 @@ class _Reader:
 
     def split(self, text):
         """Return [cells] of the rows of a line, of which it mostly has one."""
-        cells = [text]
-        if self.mark in (";", ","):
-            with suppress(InputError):
-                cells = tables.split_cells((0, text), self.mark, self.file)
-        elif self.mark:
-            cells = text.strip("|\n").split(self.mark)
-        else:
-            cells = re.split(r"\s{2,}|\t", text.strip())
-        cells = [re.sub(r"\*\*|__|`", "", cell).strip() for cell in cells]
+        cells = [text] if self.mark else re.split(r"\s{2,}|\t", text.strip())
+        with suppress(InputError):
+            if self.mark:
+                cells = tables.split_cells((0, text.strip("|")), self.mark, self.file)
+        cells = [PATTERNS["no_text"].sub("", cell).strip() for cell in cells]
         filled = [cell for cell in cells if cell]
-        pairs = [_split_name(cell) for cell in filled]
+        pairs = [PATTERNS["between"].split(cell, maxsplit=1) for cell in filled]
         if len(pairs) > 1 and all(len(pair) == 2 for pair in pairs):
             return pairs
+        beside = list(zip(filled[::2], filled[1::2]))  # name, value, name, value
+        if len(beside) > 1 and len(filled) % 2 == 0:
+            found = [[sheet_names.find(cell) for cell in pair] for pair in beside]
+            if all(name and name.keys and value is None for name, value in found):
+                return list(map(list, beside))
         if self.mark and len(filled) != 1:
             return [cells]
         parts = [part for pair in pairs for part in pair]
-        if len(parts) > 1 and text.startswith(" " * 8):
-            # headings of columns, the first of which has none
-            parts = ["", *parts]
-        return [parts]
+        # headings of columns, the first of which has none
+        return [[""] * (len(parts) > 1 and text.startswith(" " * 8)) + parts]
 
     def turn(self, heading):
         """Turn a table with a heading of names and a row of each fabric; whether this is one."""
@@ -163,14 +162,18 @@ class _Reader:
         if known < max(3, len(names) / 2) or any(cell[:1].isdigit() for cell in heading):
             return False
         below = [row for row in self.rows if len(row[1]) == len(heading)]
-        self.rows = [row for row in self.rows if len(row[1]) != len(heading)]
-        self.columns = ["name", *["fabric"] * len(below)]
-        self.chosen = self.choose([cells[0] for _, cells in below])
+        are_units = [all(map(sheet_names.unit, filter(None, cells))) for _, cells in below]
+        fabrics = [row for row, units in zip(below, are_units) if not units]
+        if not fabrics:
+            return False
+        self.columns = ["name", *("unit" if units else "fabric" for units in are_units)]
+        self.chosen = self.choose([cells[0] for _, cells in fabrics])
         for line, _ in below:
             line.why = "of another fabric"
-        turned = zip(*(cells for _, cells in below))
-        used = [line for line, _ in below[self.chosen or 0 :]][:1]
-        self.rows[:0] = [(*used, [name, *row]) for name, row in zip(heading, turned)]
+        used = fabrics[self.chosen or 0][0]
+        others = [row for row in self.rows if len(row[1]) != len(heading)]
+        turned = zip(heading, *(cells for _, cells in below))
+        self.rows = [*((used, list(row)) for row in turned), *others]
         return True
 
     def is_heading(self, cells):
@@ -207,25 +210,23 @@ class _Reader:
         above, self.pending = self.pending, None
         text = " ".join(filter(None, cells))
         only = sheet_names.has_only(("fabric", "yarn", "nothing"), text)
-        has_number = any(re.search(r"\d", cell) for _, cell in given)
+        units = [unit for _, cell in given if (unit := sheet_names.unit(cell))]
         if name is None and not only:
             self.take_unnamed(line, text, above)
-        elif only or (not name.keys and not has_number):  # the heading of a section
+        elif only or not (name.keys or any(re.search(r"\d", cell) for _, cell in given)):
             kinds = [kind for kind in FAMILIES if name and name.families == (kind,)]
             kinds += [kind for kind in ("yarn", "fabric") if sheet_names.has_word(kind, text)]
             self.section, line.why = "".join(kinds[:1]), A_HEADING
             self.pending = name if only else above
-        elif not name.keys:
-            self.pending = above
-            above = above or Name(("count", "linear_density"))
-            name = replace(above, families=name.families, unit=name.unit or above.unit)
-            self.take_values(line, name, given)
-        elif any(clean(cell) and not sheet_names.unit(cell) for _, cell in given):
-            self.take_values(line, name, given)
-        else:
-            units = [name.unit, *(sheet_names.unit(cell) for _, cell in given)]
-            self.pending = replace(name, unit=next(filter(None, units), ""))
+        elif name.keys and len(units) == sum(bool(clean(cell)) for _, cell in given):
+            self.pending = replace(name, unit=next(filter(None, (name.unit, *units)), ""))
             line.why = A_HEADING
+        else:
+            if not name.keys:  # "Warp", below what it is of
+                self.pending = above
+                above = above or Name(("count", "linear_density"))
+                name = replace(above, families=name.families, unit=name.unit or above.unit)
+            self.take_values(line, name, given)
 
     def name_of(self, cells):
         """Return (Name of a row or None, [(role of the column, cell)] of what follows it)."""
@@ -278,7 +279,14 @@ class _Reader:
                 self.put_weave(line, text)
             else:
                 self.texts += [(text, line, 0)] * ("linear_density" in name.keys)
-                self.put(line, name, *self.understand(line, name, given, text))
+                try:
+                    key, readings = self.understand(line, name, given)
+                except UnknownWords:  # "Kevlar KM2 600 denier"
+                    yarns = read_yarns(text) if "linear_density" in name.keys else set()
+                    if len(yarns) != 1:
+                        raise
+                    key, readings = "linear_density", {"": yarns.pop()}
+                self.put(line, name, key, readings)
         except Unclear as why:
             line.why = str(why)
 
@@ -297,18 +305,9 @@ class _Reader:
             others = [(role, cell) for role, cell in others if role not in ("least", "most")]
         return others
 
-    def understand(self, line, name, given, text):
-        """Return (key, {family or "": Reading}) of the cells of a row, which are a text."""
-        try:
-            return self.understand_numbers(line, name, given)
-        except UnknownWords:  # "Kevlar KM2 600 denier"
-            yarns = read_yarns(text) if "linear_density" in name.keys else set()
-            if len(yarns) != 1:
-                raise
-            return "linear_density", {"": yarns.pop()}
-
-    def understand_numbers(self, line, name, given):
-        """Return the same of cells in which nothing but numbers, units and families stands."""
+    def understand(self, line, name, given):
+        """Return (key, {family or "": Reading}) of cells in which nothing but numbers, units and
+        families stands."""
         units, cells = [name.unit], []
         bounds = {name.bound, *(role for role, _ in given)}
         of_both = {*FAMILIES} <= bounds
@@ -377,41 +376,35 @@ class _Reader:
     def settle_texts(self):
         """Take the linear density and the weave that texts say, where no row has one."""
         for rank in range(3):
-            texts = [(text, line) for text, line, of in self.texts if of == rank]
-            yarns = [(read_yarns(text), line) for text, line in texts if rank]
-            weaves = [(text, line) for text, line in texts if sheet_names.find_weave(text)]
-            if not self.found.get("linear_density"):
-                for several, line in yarns:
-                    with suppress(Unclear):
-                        if len(several) == 1:
-                            self.put(line, Name(()), "linear_density", {"": several.pop()})
-            if WEAVE not in self.found:
-                for text, line in weaves:
+            lacks = {"linear_density", WEAVE} - {*self.found}
+            for text, line in [(text, line) for text, line, of in self.texts if of == rank]:
+                yarns = read_yarns(text) if rank else set()
+                with suppress(Unclear):
+                    if "linear_density" in lacks and len(yarns) == 1:
+                        self.put(line, Name(()), "linear_density", {"": yarns.pop()})
+                if WEAVE in lacks and sheet_names.find_weave(text):
                     self.put_weave(line, text)
 
     def settle_counts(self):
         """Take a count without a unit as that per inch, cm or 10 cm which gives the areal density."""
-        density = self.found.get("linear_density", {})
-        areal = self.found.get("areal_density", {})
+        density, areal = (self.found.get(key, {}) for key in ("linear_density", "areal_density"))
         pair = {family: number for family, number, _ in self.bare}
         once = len(pair) == len(self.bare) == len(density) == 2
         if not once or "count" in self.found or not areal:
             return
         fits = {}
         for unit in ("/ inch", "/ cm", "/ 10 cm"):
-            counts = {
-                family: read_number("count", f"{pair[family]:g}", unit) for family in FAMILIES
-            }
+            counts = {each: read_number("count", f"{pair[each]:g}", unit) for each in FAMILIES}
             if None not in counts.values():
-                mass = sum(counts[family][1] * density[family][1] for family in FAMILIES)
+                mass = sum(counts[each][1] * density[each][1] for each in FAMILIES)
                 if STRAIGHT[0] < mass / areal["warp"][1] < STRAIGHT[1]:
                     fits[unit] = counts
         if len(fits) == 1:
-            ((unit, counts),) = fits.items()
-            for line in {id(line): line for _, _, line in self.bare}.values():
+            unit, counts = fits.popitem()
+            self.found["count"] = {each: (*counts[each], line) for each, _, line in self.bare}
+            for line in {line for _, _, line in self.bare}:
                 line.keys.append("count")
                 line.text += f" (its unit, {unit}, follows from the areal density)"
-            self.found["count"] = {family: (*counts[family], line) for family in FAMILIES}
 
     def values(self):
         """Return {key: Value} of what is found of both yarns, or of the fabric."""
@@ -454,9 +447,3 @@ class _Reader:
         for line in said.values() if len(said) == 1 else ():
             line.keys.append("family")
         return next(iter(said)) if len(said) == 1 else None
-
-
-def _split_name(cell):
-    """Return [name, value] of "name: value" and "name = value", else [the cell]."""
-    parts = re.split(r"\s*(?<!\d):(?=\s|$)\s*|\s+[:=]\s+|(?<=[A-Za-z)\]]):(?=\S)", cell, maxsplit=1)
-    return parts if len(parts) > 1 and parts[0] else [cell]

@@ -50,8 +50,8 @@ class Amount:
 
 def clean(text: str) -> str:
     """Fold a cell, without tolerances, standards and words that change nothing."""
-    text = PATTERNS["tolerance"].sub(r"\1", fold(PATTERNS["standard"].sub(" ", text)))
-    return " ".join(PATTERNS["nothing"].sub(" ", text).split()).strip(" -:")
+    text = sheet_names.rewrite("in_values", fold(PATTERNS["standard"].sub(" ", text)))
+    return " ".join(text.split()).strip(" -:")
 
 
 def differ(one: float, other: float) -> bool:
@@ -91,7 +91,6 @@ def read_cells(
     ------
     Unclear : no reading is left, or more than one
     """
-    text = PATTERNS["initials"].sub(r"warp\1weft", text)
     if "linear_density" in name.keys:
         text = PATTERNS["filaments"].sub(" ", PATTERNS["yarn_of_glass"].sub(_tex_of_glass, text))
     amounts, words = _find_amounts(text)

@@ -44,13 +44,19 @@ _MEANT = frozenset().union(*(AROUND[role] for role in AROUND if role not in ("ot
 _SIGNS = str.maketrans(_DATA["signs"])
 _COLUMNS, _UNITS, _WHOLE_UNITS = map(_turned, ("columns", "units", "whole_units"))
 _WEAVES = _turned("weaves")
-_UNIT_PATTERNS = [(re.compile(old), new) for old, new in _DATA["unit_patterns"].items()]
 _UNIT_WORD = "|".join(map(re.escape, sorted(_UNITS, key=len, reverse=True)))
 _POWER = r"(?:\^?[23])?"
 _UNIT = re.compile(
     rf"(?:(?:{_UNIT_WORD}){_POWER})?(?:/ ?(?:(?:5|10|50|100) )?(?:{_UNIT_WORD}){_POWER})?"
     rf"|(?:(?:{_UNIT_WORD}) )?(?:{_UNIT_WORD})\^?-[123]"
 )
+
+
+def rewrite(table: str, text: str) -> str:
+    """Write what a table of `sheet_names.toml` has in place of its patterns."""
+    for pattern, new in _DATA[table].items():
+        text = re.sub(pattern, new, text)
+    return text
 
 
 def fold(text: str) -> str:
@@ -63,9 +69,7 @@ def fold(text: str) -> str:
 @cache
 def unit(written: str) -> str:
     """Return the unit of a text as `fabrics.base.units` reads it; "" if it is none of a data sheet."""
-    text = fold(written).strip("[]() .")
-    for pattern, new in _UNIT_PATTERNS:
-        text = pattern.sub(new, text)
+    text = rewrite("unit_patterns", fold(written).strip("[]() ."))
     found = _WHOLE_UNITS.get(text, "")
     if not found and _UNIT.fullmatch(text):
         found = re.sub(_UNIT_WORD, lambda word: _UNITS[word[0]], text)
@@ -112,10 +116,7 @@ _TITLES = dict(sorted(_TITLES.items(), key=lambda item: -len(item[0])))
 @cache
 def find(text: str) -> Name | None:
     """Return the Name that a text is; None if a word of it is not known."""
-    folded = PATTERNS["under_pressure"].sub(" ", fold(text))
-    folded = re.sub(r"\bw x f\b", "warp x weft", folded)
-    for begin in ("kette", "schuss", "gewebe"):  # "Kettfadenzahl" is Kette Fadenzahl
-        folded = PATTERNS[f"begins_{begin}"].sub(f"{begin} ", folded)
+    folded = rewrite("in_names", fold(text))
     if DESCRIPTION in _TITLES.get(" ".join(_words(folded)), ()):
         return Name((DESCRIPTION,), folded)
     if not folded or len(folded) > 90 or not AROUND["other"].isdisjoint(_words(folded)):
@@ -124,9 +125,10 @@ def find(text: str) -> Name | None:
     more = []
     for inside in re.findall(r"[\[(]([^\])]*)[\])]", folded):
         bound = [word for word in _words(inside) if word in AROUND["least"] | AROUND["most"]]
-        found = unit(re.sub(rf"[, ]*\b(?:{'|'.join(bound)})\b", "", inside) if bound else inside)
+        inside = re.sub(rf"[, ]*\b(?:{'|'.join(bound)})\b", "", inside) if bound else inside
+        rest, found = ("", unit(inside)) if unit(inside) else _without_unit(inside)
         written = written or found
-        more += bound if found else [word for word in _words(inside) if not word.isdigit()]
+        more += [*bound, *(word for word in _words(rest) if not word.isdigit())]
     plain = re.sub(r"[\[(][^\])]*[\])]", " ", folded).strip(" :.")
     plain, comma, last = plain.rpartition(",")
     if last.strip() in AROUND["least"] | AROUND["most"]:
@@ -166,7 +168,14 @@ def _find_one(text, written, more):
         if not keys:
             return None
     bound = next((kind for kind in ("least", "most") if not AROUND[kind].isdisjoint(rest)), "")
-    return Name(keys, title if keys else "", families, written or unit(flat), of, bound)
+    return Name(
+        keys,
+        title if keys else "",
+        families,
+        written or unit(title.split()[-1] if keys else flat),
+        of,
+        bound,
+    )
 
 
 def _without_unit(text):
@@ -204,7 +213,7 @@ def find_weave(text: str) -> str:
     """Return the name of the weave that a text is, or its one part that is a weave; else ""."""
     folded = re.sub(r"(?<=\d):(?=\d)", "/", fold(text))
     found = []
-    for part in (folded, *re.split(r"[,;|]\s*|\s-\s|:\s|[()]", folded)):
+    for part in (folded, *re.split(r"\s/\s|[,;|]\s*|\s-\s|:\s|[()]", folded)):
         words = " ".join(_WEAVES.get(word, word) for word in part.strip(" .").split())
         with suppress(InputError):
             found.append(Pattern.read(words).name)

@@ -80,6 +80,7 @@ def test_values_of_a_key_that_is_given_again_are_all_there(planned):
     "over, options, line",
     [
         ("panel.plies=1,1", {}, "over, panel.plies = 1: is given twice"),
+        ("panel.plies=1,2;modulus=1.1,1.10", {}, "over, modulus = 1.1: is given twice"),
         ("title=a,b", {}, "over, title = ['a', 'b']: must be left out: shot does not read it"),
         ("run.outputs=report,pictures", {}, "over, run.outputs = "),
         (
@@ -98,8 +99,30 @@ def test_values_of_a_key_that_is_given_again_are_all_there(planned):
 )
 def test_what_makes_no_difference_is_refused_by_name(planned, over, options, line):
     with pytest.raises(InputError) as caught:
-        planned([over], **options)
+        planned(over.split(";"), **options)
     assert str(caught.value).startswith(line)
+
+
+@pytest.mark.parametrize(
+    "key, number, text",
+    [
+        ("projectile.mass", 0.002, "2 g"),
+        ("projectile.strike_velocity", 150, "0.15 km/s"),
+        ("panel.opening", [0.05, 0.06], ["5 cm", "60 mm"]),
+        ("projectile.obliquity", 0.25, "0.25 rad"),
+        ("run.end_time", 3e-5, "3e-5 s"),
+    ],
+)
+def test_numbers_of_python_are_in_si_units_and_those_of_a_text_need_their_unit(
+    planned, key, number, text
+):
+    """The digests of both are the same; a text names `over`, for no line of the file has its value."""
+    assert len(planned({key: [number]})) == 1
+    with pytest.raises(InputError, match=f"^over, {key} = .*makes the same set-up as"):
+        planned({key: [number, text]})
+    if not isinstance(number, list):
+        with pytest.raises(InputError, match=f"^over, {key} = .*: has no unit; must be "):
+            planned([f"{key}={number}"])
 
 
 def test_equal_set_ups_are_refused():

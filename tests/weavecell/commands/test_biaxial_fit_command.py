@@ -13,6 +13,7 @@ from fabrics.surface import ResponseSurface
 from shellfabric.cell.model import CellModel
 from shellfabric.cell.surface_cell import SurfaceCell
 from tests.weavecell.written import names, page_of, rows_of, table_of
+from weavecell.studies import biaxial_tests
 from weavecell.studies.biaxial_path import to_strength
 
 CLOTH = catalogue.load("glass-unbalanced")
@@ -141,6 +142,40 @@ def test_a_constant_that_is_kept_though_the_tests_exclude_it_is_a_doubt(tmp_path
         if "do not determine" in one
     ]
     assert not any("another ratio" in line for line in loose)
+
+
+@pytest.mark.parametrize(
+    "heading, of_a_metre",
+    [
+        (
+            "Ratio,Warp strain (%),Weft strain (%),Warp load per width (N/mm),Weft load per width (N/mm)",
+            1e3,
+        ),
+        (
+            "Test No.,Elongation warp [%],Elongation fill [%],Force warp [N/5cm],Force fill [N/5cm]",
+            20,
+        ),
+        (
+            "Load ratio,strain in warp [%],strain in fill [%],tension in warp [lbf/in],tension in fill [lbf/in]",
+            175.12684,
+        ),
+        ("specimen,strain warp,strain weft,warp line load,weft line load\n-,%,%,kN/m,kN/m", 1e3),
+        (
+            "Test,warp strain [%],weft strain [%],Membrane force warp [N/m],Membrane force weft [N/m]",
+            1,
+        ),
+    ],
+)
+def test_headings_of_biaxial_machines(tmp_path, heading, of_a_metre):
+    """Loads per width are those of one yarn by its spacing, unlike for warp and weft."""
+    path = tmp_path / "t.csv"
+    path.write_text(
+        heading + "".join(f"\n1:2,{0.1 * n},{0.2 * n},{2 * n},{3 * n}" for n in range(6))
+    )
+    (one,) = biaxial_tests.read(path, (1e-3, 2e-3))
+    assert one.name == "1:2"
+    assert one.strain[-1] == pytest.approx([0.005, 0.01])
+    assert one.load[-1] == pytest.approx([10e-3 * of_a_metre, 30e-3 * of_a_metre], rel=1e-6)
 
 
 LABORATORY = "Ratio;Strain warp (%);Strain weft (%);Warp tension [kN/m];Weft tension [kN/m]"

@@ -6,8 +6,11 @@ import re
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import weavecell as wc
+from fabrics import catalogue
 from fabrics.base.units import si
 from tests.weavecell.session_runs import RUNS
 from weavecell.decks import folder
@@ -115,6 +118,88 @@ def test_the_summary_of_a_deck_states_its_options_and_errors(tmp_path, to, match
     assert "NOT RUN in it" in head
     page = (tmp_path / "report.html").read_text()
     assert f"errs by {100 * max(errors.values()):.1f} % of the strength at most" in page
+
+
+def thickness_of(name):
+    """[m] twice the heights of warp and weft: cosines whose length is that of the crimped yarn, by quadrature."""
+    weave = catalogue.load(name).weave
+    total = 0.0
+    for yarn, count in zip(weave.yarns, (weave.weft_count, weave.warp_count)):
+        cell = 1 / count  # the spacing of the family that crosses
+
+        def excess(height):
+            slope = lambda x: np.pi * height / cell * np.sin(np.pi * x / cell)  # noqa: B023, E731
+            return quad(lambda x: np.hypot(1, slope(x)), 0, cell)[0] - cell * (1 + yarn.crimp)  # noqa: B023
+
+        total += 2 * brentq(excess, 0, cell)
+    return total
+
+
+def test_plies_of_a_pack_are_as_thick_and_as_far_apart_as_the_result_says(results):
+    """Three plies of two fabrics: their middle surfaces are half of both thicknesses and the gap apart."""
+    shot = wc.load(results("pack").folder)
+    thick = [thickness_of(name) for name in ("S-728", "S-726", "S-726")]
+    assert shot.thickness == pytest.approx(thick, rel=1e-6)
+    assert shot.gaps[1] == pytest.approx(5e-5)
+    halves = 0.5 * np.add(thick[1:], thick[:-1])
+    assert np.diff(shot.z_rest) == pytest.approx(halves + shot.gaps, rel=1e-6)
+
+
+def test_a_deck_is_what_its_head_and_its_fabrics_say(tmp_path):
+    """Nodes, sections, densities and masses of the written file: two unlike plies by heights, counts and crimps."""
+    metre = kilogram = 1e3  # in mm and g
+    plies = [{"name": "S-728"}, {"name": "S-726", "angle": "90 deg"}]
+    options = {"opening": ("20 mm", "24 mm"), "ply_gap": "0.07 mm", "elements_per_crossover": 1}
+    nose = {"shape": "sphere", "diameter": "5 mm", "mass": "0.6 g"}
+    setup = wc.setup(None, "90 m/s", ply=plies, projectile=nose, **options)
+    made = wc.export(setup, "lsdyna", tmp_path, units="g-mm-ms", match="uniaxial")
+    (deck,) = tmp_path.glob("*.k")
+    text = deck.read_text()
+    words = (
+        "*NODE",
+        "*ELEMENT_SHELL",
+        "*SECTION_SHELL_TITLE",
+        "*MAT_FABRIC_TITLE",
+        "*PART_INERTIA",
+    )
+    rows: dict[str, list[list[str]]] = {word: [] for word in words}
+    for block in re.split(r"^(?=\*)", text, flags=re.MULTILINE):
+        word, *lines = block.splitlines() or [""]
+        rows.get(word, []).append([line for line in lines if line[:1] != "$"])
+    nodes = {
+        int(line[:8]): [float(line[start : start + 16]) / metre for start in (8, 24, 40)]
+        for line in rows["*NODE"][0]
+    }
+    place = {int(line[8:16]): nodes[int(line[16:24])][2] for line in rows["*ELEMENT_SHELL"][0]}
+    thick = [thickness_of(ply["name"]) for ply in plies]
+    assert place[2] - place[1] == pytest.approx(0.5 * sum(thick) + 7e-5, rel=1e-4)
+    for ply, wanted, (_, _, section), (_, card, *_) in zip(
+        plies, thick, rows["*SECTION_SHELL_TITLE"], rows["*MAT_FABRIC_TITLE"]
+    ):
+        assert [float(section[10 * n : 10 * n + 10]) / metre for n in range(4)] == pytest.approx(
+            [wanted] * 4, rel=1e-3
+        )
+        weave = catalogue.load(ply["name"]).with_effective_density().weave
+        counts = (weave.warp_count, weave.weft_count)
+        mass = sum(
+            count * yarn.linear_density * (1 + yarn.crimp)
+            for yarn, count in zip(weave.yarns, counts)
+        )
+        density = float(card[10:20]) * metre**3 / kilogram
+        assert density * wanted == pytest.approx(mass, rel=1e-3)
+    head = " ".join(line[1:].strip() for line in text.splitlines() if line[:1] == "$")
+    assert "Units: g-mm-ms " in head
+    assert max(x for x, *_ in nodes.values()) == pytest.approx(0.01, abs=1e-3)
+    share = float(re.search(r"Symmetry: ([0-9.]+) of", head)[1])
+    assert float(rows["*PART_INERTIA"][0][2][30:40]) / kilogram == pytest.approx(
+        share * 6e-4, rel=1e-3
+    )
+    titles = [block[0].strip() for block in rows["*MAT_FABRIC_TITLE"]]
+    said = re.findall(r"Law (\d) \((.*?)\) less the cell, over the strength: rms (\S+) %", head)
+    assert [(int(number), name) for number, name, _ in said] == list(enumerate(titles, 1))
+    for (_, name, rms), other in zip(said, titles[::-1]):
+        assert float(rms) == pytest.approx(100 * made.errors[name]["rms"], abs=0.051)
+        assert float(rms) != pytest.approx(100 * made.errors[other]["rms"], abs=0.1)
 
 
 def test_the_picture_of_a_coupon_is_its_piece():

@@ -133,6 +133,8 @@ def test_a_key_is_refused_or_changes_the_shot(lay_up, key, answer):  # noqa: F81
         wanted = [*key.split("."), NAMED.get(("pack", key))]
         # where all plies then name a fabric
         wanted += ["name"] if key == "panel.ply.file" else []
+        # of which the plies follow
+        wanted += ["ply"] if key == "panel.areal_density" else []
         assert (found.key or "").rpartition(".")[2] in wanted, found
 
 
