@@ -25,7 +25,7 @@ from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize
-from weavecell.api.study_result import StudyResult
+from weavecell.api.study_result import DrawnStudy
 from weavecell.api.target import is_input_file, is_setup, resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
@@ -296,7 +296,7 @@ class FabricRow:
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class PliesResult(StudyResult):
+class PliesResult(DrawnStudy):
     """The fewest plies of each fabric that stop a threat; the table has a row a fabric.
 
     Parameters
@@ -331,18 +331,6 @@ class PliesResult(StudyResult):
     def names(self) -> list[str]:
         """Names of the fabrics."""
         return [target.setup.fabric.name for target in self.targets]
-
-    @property
-    def draws_strengths(self) -> bool:
-        """As in `StudyResult`."""
-        return True
-
-    @property
-    def fired(self) -> ImpactSetup:
-        """As in `StudyResult`, of the first fabric."""
-        from weavecell.runs import table
-
-        return table.as_fired(super().fired)
 
     @property
     def title(self) -> str:

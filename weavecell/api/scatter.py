@@ -22,7 +22,7 @@ from weavecell.api.command import Plan, Report, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize
-from weavecell.api.study_result import StudyResult
+from weavecell.api.study_result import DrawnStudy
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
@@ -212,7 +212,7 @@ def v50(
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class V50Result(StudyResult):
+class V50Result(DrawnStudy):
     """The probability of perforation over all that is drawn; the table has a row a shot.
 
     Parameters
@@ -329,18 +329,6 @@ class V50Result(StudyResult):
             narrows = f"V50 of a cloth ± {now:.2g} to ± {then:.2g} m/s"
             return {name: f"{unknown.ADVICE[name]} {known}: {narrows}"}
         return {}
-
-    @property
-    def draws_strengths(self) -> bool:
-        """As in `StudyResult`: it is what is studied."""
-        return True
-
-    @property
-    def fired(self) -> ImpactSetup:
-        """As in `StudyResult`: the whole panel, on the mesh of a V50."""
-        from weavecell.runs import table
-
-        return table.as_fired(super().fired)
 
     @property
     def title(self) -> str:

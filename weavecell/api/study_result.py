@@ -151,3 +151,19 @@ class StudyResult(DrawnResult):
         if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
         chapters.write(out, lead, setup.fabrics, sections, stamp, seconds, self.answer, (), beside)
+
+
+class DrawnStudy(StudyResult):
+    """A study whose shots are at drawn panels."""
+
+    @property
+    def draws_strengths(self) -> bool:
+        """As in `StudyResult`."""
+        return True
+
+    @property
+    def fired(self) -> ImpactSetup:
+        """As in `StudyResult`: the whole panel of resolved yarns, on the mesh of drawn shots."""
+        from weavecell.runs import table
+
+        return table.as_fired(super().fired)
