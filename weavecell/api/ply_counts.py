@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import nan
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Section
-    from weavecell.runs.plies import Count, PliesOfFabric, V50Test
+    from weavecell.runs.measurement import Count, Measurement
+    from weavecell.runs.plies import PliesOfFabric, V50Test
 
 NAMES = ("plies.json", "plies.csv", "shots.csv", "plies.svg", *out_folder.INPUT, "report.html")
 TEST = "PLIES plies: V50, such as '5 plies: 290 m/s', or 'S-728, 5 plies: 290 m/s' of one of several fabrics"
@@ -416,7 +417,8 @@ class PliesResult(DrawnStudy):
             decided = f"{first[0]} is lightest" if len(first) == 1 else "lightest not decided"
             parts[-1] += f", {decided}"
         least = self._known[ranked[0]]
-        advice = self._say_first(ranked[0])
+        # the least plies are those of the first; a test of its V50 has no mover beside which it stands
+        advice = tuple(one.advice for one in least.measure(ranked[0])[:2] if one.is_worth)
         movers = [
             Mover(name, unknown.ADVICE.get(name, ""), width, len(least.shots) >= v50.MANY)
             for name, width in least.moved.items()
@@ -424,22 +426,12 @@ class PliesResult(DrawnStudy):
         said = "; ".join([f"plies: {value}; by the model alone {model}", *alike])
         return self._find_answer(self.title, said, movers, advice, over="; ".join(parts))
 
-    def _say_first(self, name):
-        """Return what to measure first of a fabric, with the range of plies that is left."""
-        from weavecell.studies import unknown
+    @cached_property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """As in `DrawnStudy`, of the plies of each fabric."""
+        from weavecell.runs.measurement import rank
 
-        one = self._known[name]
-        now = one.by_tests
-        said = []
-        for what, count in one.narrowing.items():
-            if count.high - count.low > 0.9 * (now.high - now.low):
-                continue
-            if what == "V50":
-                test = f"shoot V50 of {counted(now.plies, 'ply')} of {name} and give `test`"
-                said.append(f"{test}: then {count.words()}")
-            elif what in unknown.ADVICE:
-                said.append(f"{unknown.ADVICE[what]}: then {count.words()}")
-        return tuple(said[:2])
+        return rank(part for name, one in self._known.items() for part in one.measure(name))
 
     def summary(self) -> dict[str, Any]:
         """Return what was asked for, and the plies of each fabric."""
@@ -500,19 +492,17 @@ class PliesResult(DrawnStudy):
         """What to measure first, by fabric."""
         from weavecell.report.page import Section, Table
 
-        rows = [
-            (name, "V50 of this count" if what == "V50" else what, count.words())
-            for name, one in self._known.items()
-            for what, count in one.narrowing.items()
-        ]
-        lead = "Plies that are left once this is known: a V50 by a test, a friction to a fifth of its range."
-        table = Table(("fabric", "measured", "plies then"), tuple(rows))
-        return [Section("first", "What to measure first", lead, (), (table,))]
+        columns = "plies of", "measured", "to", "plies then", "by", "read by"
+        rows = []
+        for one in self.measurements:
+            row = one.answer.removeprefix("plies of "), one.quantity, one.known_words
+            rows.append((*row, one.words(one.then), one.test, one.reader))
+        return [Section("first", "What to measure first", tables=(Table(columns, tuple(rows)),))]
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}, as `StudyResult` does."""
         content = {**self.summary(), "stop": self.stop, "wall_time": self.wall_time}
-        content["groups"] = self.groups
+        content |= self._what_to_measure() | {"groups": self.groups}
         content["model_error"] = asdict(self.found[0].error)
         return {
             "plies.json": content,

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Section
+    from weavecell.runs.measurement import Measurement
 
 
 class DrawnResult(Result):
@@ -154,7 +155,16 @@ class StudyResult(DrawnResult):
 
 
 class DrawnStudy(StudyResult):
-    """A study whose shots are at drawn panels."""
+    """A study whose shots are at drawn panels. A derived class has what raises NotImplementedError here."""
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """What measurements leave of the answer, what narrows it most first."""
+        raise NotImplementedError
+
+    def _what_to_measure(self):
+        """Return the entry of a JSON file."""
+        return {"measure_first": [one.entry() for one in self.measurements]}
 
     @property
     def draws_strengths(self) -> bool:
