@@ -70,6 +70,7 @@ def test_what_moves_v50_most_is_measured_first(succeed):
     assert (first.quantity, first.key) == ("friction on the nose", "projectile.friction")
     assert (second.quantity, second.command) == ("friction between yarns", "reduce pull-out")
     assert first.known == pytest.approx(0.1 * 0.2)
+    assert first.known_words == "± 0.02"
     # over cloths, by the plane itself
     uniform = np.random.default_rng(1).uniform(-0.5, 0.5, (2, 20_000))
     weights = np.array([[SLOPES["friction on the nose"]], [SLOPES["friction between yarns"]]])
