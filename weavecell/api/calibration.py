@@ -639,9 +639,9 @@ class CalibrationResult(Result):
             over += f"; {name} {text}"
         bad = (*self._judge_law(), *law.outside_ends())
         use = "weavecell impact with fabric.law = law.json"
-        advice = (("measure the compression of the fabric between platens",) if bad else ()) + (
-            () if self._refusal else (use,)
-        )
+        advice = (
+            ("press the fabric between platens (`weavecell reduce compression`)",) if bad else ()
+        ) + (() if self._refusal else (use,))
         return self._find_answer(
             f"{self.fabric.name}, compression law of the yarns", value, advice=advice, over=over
         )

@@ -137,7 +137,9 @@ def _scrambled(name, seed, number):
 
 
 TEST_YARNS = "test yarns taken from the fabric; give fabric.weaving_damage"
-MEASURE_CRIMP = "measure crimp by ISO 7211-3"
+MEASURE_CRIMP = "measure crimp by ISO 7211-3; give warp.crimp and weft.crimp"
+FIT_LAW = "press plies between platens (`weavecell reduce compression --cell-of FABRIC`)"
+FIT_TRELLIS = "test a picture frame (`weavecell fabrics new --picture-frame CURVE`)"
 PULL_OUT = "reduce pull-out"
 MEASURE_FRICTION = f"measure friction between yarns (`weavecell {PULL_OUT}`)"
 
@@ -174,8 +176,8 @@ ROWS = (
         ("fabric.weaving_damage.strength",), "strength",
     ),
     Unknown("failure length", ways.FAILURE_LENGTH, keys=("failure_length",), unit="mm", scale=1e3),
-    Unknown("compression law", ways.LAW, "fit it to a measured curve", ("fabric.law.a", "fabric.law.b")),
-    Unknown("trellis law", ways.TRELLIS, "reduce a picture-frame test", ("shear.G1", "shear.G2")),
+    Unknown("compression law", ways.LAW, FIT_LAW, ("fabric.law.a", "fabric.law.b")),
+    Unknown("trellis law", ways.TRELLIS, FIT_TRELLIS, ("shear.G1", "shear.G2")),
     Unknown("gap between plies", ways.GAP, "give panel.ply_gap", ("panel.ply_gap",), unit="mm", scale=1e3),
     Unknown("energy given back by plies", ways.RESILIENCE),
     Unknown("area of packed fabric", ways.PACKED_AREA),
