@@ -865,7 +865,7 @@ class CalibrationResult(Result):
                 path.write(folder / file_of(name))
         self.mesh.save(folder)
         stamp = provenance.stamp("", fabric)
-        json_file.write(folder / "provenance.json", stamp)
+        json_file.write(folder / "provenance.json", {**stamp, **self._what_is_doubtful()})
         files.write(folder / "paths.csv", self.to_csv())
         lead = (
             "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to "

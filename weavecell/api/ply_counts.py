@@ -1,7 +1,7 @@
 """How many plies of which fabric stop a threat, with a given probability.
 
 The folder has, beside runs/ with a file for each run, report.html, plies.json, plies.csv (a row a fabric),
-shots.csv, plies.svg and scene.toml.
+shots.csv, shares.csv (the picture), plies.svg and scene.toml.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from weavecell.results.finding import Answer, Mover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
@@ -39,7 +40,15 @@ if TYPE_CHECKING:
     from weavecell.runs.measurement import Count, Measurement
     from weavecell.runs.plies import PliesOfFabric, V50Test
 
-NAMES = ("plies.json", "plies.csv", "shots.csv", "plies.svg", *out_folder.INPUT, "report.html")
+NAMES = (
+    "plies.json",
+    "plies.csv",
+    "shots.csv",
+    "shares.csv",
+    "plies.svg",
+    *out_folder.INPUT,
+    "report.html",
+)
 TEST = "PLIES plies: V50, such as '5 plies: 290 m/s', or 'S-728, 5 plies: 290 m/s' of one of several fabrics"
 _TEST = re.compile(r"(?:(?P<fabric>.+),)?\s*(?P<plies>\d+)\s*pl(?:y|ies)\s*:\s*(?P<velocity>.+)")
 # said by other options, or what is asked for
@@ -166,8 +175,8 @@ def plies(
     alone, and with what tests say of the model, by the rows that were scored. An own V50 narrows the second.
     Fabrics are ranked by areal density; those whose order is not decided say so.
 
-    The folder `out` then has report.html, plies.json, plies.csv, plies.svg, shots.csv, scene.toml of the first
-    fabric, and runs/ with a file for each shot.
+    The folder `out` then has report.html, plies.json, plies.csv, plies.svg, shots.csv, shares.csv, scene.toml of the
+    first fabric, and runs/ with a file for each shot.
 
     Parameters
     ----------
@@ -508,8 +517,17 @@ class PliesResult(DrawnStudy):
             "plies.json": content,
             "plies.csv": self.to_csv(),
             "shots.csv": self.shots.to_csv(index=False),
+            "shares.csv": self.shares.to_csv(index=False),
             "plies.svg": None,
         }
+
+    @cached_property
+    def shares(self) -> DataFrame:
+        """The table of the picture: the share that stops by fabric and plies."""
+        from pandas import DataFrame, concat
+
+        tables = [DataFrame({"fabric": name, **one.shares()}) for name, one in self._known.items()]
+        return concat(tables, ignore_index=True) if tables else DataFrame({"fabric": []})
 
     @property
     def shots(self) -> Any:
@@ -532,4 +550,4 @@ class PliesResult(DrawnStudy):
         """Draw the share that stops against the number of plies, a panel a fabric."""
         from weavecell.report import pictures_uncertainty
 
-        return pictures_uncertainty.plies(pyplot, self._known)
+        return pictures_uncertainty.plies(pyplot, self.shares, self.to_dataframe(), self.sure)

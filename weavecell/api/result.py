@@ -165,11 +165,11 @@ class Result:
             entries["left_out"] = "; ".join(part.text for part in self.left_out)
         return entries
 
-    def _what_is_doubtful(self) -> dict[str, str]:
+    def _what_is_doubtful(self) -> dict[str, list[str]]:
         """The entry of a summary and of a JSON file: what is doubtful; none where nothing is."""
         if not self.doubts:
             return {}
-        return {"doubts": "; ".join(self.doubts)}
+        return {"doubts": [*self.doubts]}
 
     def _what(self) -> str:
         """The result in a few words, for the warning."""

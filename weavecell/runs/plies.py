@@ -43,6 +43,7 @@ from weavecell.studies.inputs import Scatter
 from weavecell.studies.unknown import find_unknown
 
 STEP = 2.0  # of the count from one round to the next, at most
+MOST_DRAWN = 40  # plies of a picture
 LEAST_GROWTH = 0.1  # [-] that is left of the growth where tests say that it is too large
 V50_ROWS = "V50 of one ply", "V50 of packs"
 GROWTH_ROW = re.compile(r"growth of V50 from (\d+) to (\d+) plies.*")
@@ -228,6 +229,21 @@ class PliesOfFabric:
         posterior = self.tested if tested else self.posterior
         assert posterior is not None
         return find_spans(posterior.of(plies / self.reference).middles[:, None])[0]
+
+    def shares(self) -> dict[str, FloatArray]:
+        """Compute the shares that stop, over the plies about the answer: {column: (n,)}, with what tests say of the
+        model and by the model alone, each with its interval."""
+        assert self.posterior is not None
+        most = max(self.by_model.high, min(self.by_tests.high, 3 * self.by_tests.plies), 4)
+        plies = np.arange(1, min(most, MOST_DRAWN) + 2)
+        found = {"plies": plies}
+        part = 0.5 * (1 - CONFIDENCE)
+        for name, posterior in (("tested", self.tested), ("model", self.posterior)):
+            packs = [posterior.of(n / self.reference) for n in plies]
+            stops = 1 - np.hstack([pack.passed([self.velocity]) for pack in packs])
+            low, high = np.quantile(stops, (part, 1 - part), axis=0)
+            found |= {name: stops.mean(axis=0), f"{name}_low": low, f"{name}_high": high}
+        return found
 
     @property
     def moved(self) -> dict[str, float]:

@@ -141,8 +141,11 @@ def test_every_place_that_shows_a_result_says_its_doubt(name, tmp_path, monkeypa
     with pytest.warns(wc.DoubtfulResult, match="doubtful"):
         result.warn()
     written = [json.loads(path.read_text()) for path in Path("r").glob("*.json")]
-    told = {content["doubts"] for content in written if "doubts" in content}
-    assert told == {"; ".join(result.doubts)}
+    told = [content["doubts"] for content in written if content.get("doubts")]
+    # a law of yarns has what is doubtful of it in words, as it is read by what uses it
+    assert told
+    for one in told:
+        assert one in ([*result.doubts], "; ".join(result.doubts))
     if name not in ("impact", "coupon"):
         loaded = wc.load("r")
         assert loaded.doubts == result.doubts
