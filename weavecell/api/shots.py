@@ -810,8 +810,7 @@ class ShotResult(ImpactRecord, Result):
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
-        content |= summarise(self.left_out) | self._what_is_doubtful()
-        content["answer"] = self.answer.entry()
+        content |= summarise(self.left_out) | self._answered()
         if self.draws is not None:
             content["draws"] = self.draws.summary()
             content["measure_first"] = [one.entry() for one in self.draws.measurements]

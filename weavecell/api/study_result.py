@@ -49,8 +49,7 @@ class DrawnResult(Result):
         for name, content in self.files().items():
             kind = name.partition(".")[2]
             if kind == "json":
-                content |= summarise(self.left_out) | self._what_is_doubtful()
-                content["answer"] = self.answer.entry()
+                content |= summarise(self.left_out) | self._answered()
                 json_file.write(folder / name, content | {"provenance": stamp})
             elif kind == "h5":
                 one_table.write_hdf5(content, folder / name, self.kind)

@@ -101,12 +101,12 @@ class Answer:
         advice = (*self.advice, *(one.settle for one in self.ranked if one.moved != 0))
         found = {
             "answer": f"DOUBTFUL: {self.value}" if self.doubts else self.value,
-            **{rank: _list(parts, "; ", "") for rank, parts in zip(RANKS, self.listed)},
-            "over": _list(self.over.split(", "), ", "),
-            "moved by": _list(moved, ", "),
-            "leaves out": _list([one for one in self.movers if one.moved is None], "; "),
-            "doubts": _list(self.doubts, "; ") or _list((CLEAR, *self.near), "; near: "),
-            "next": _list([*dict.fromkeys(filter(None, advice))][:3], "; ", ""),
+            **{rank: join_parts(parts, "; ", "") for rank, parts in zip(RANKS, self.listed)},
+            "over": join_parts(self.over.split(", "), ", "),
+            "moved by": join_parts(moved, ", "),
+            "leaves out": join_parts([one for one in self.movers if one.moved is None], "; "),
+            "doubts": join_parts(self.doubts, "; ") or join_parts((CLEAR, *self.near), "; near: "),
+            "next": join_parts([*dict.fromkeys(filter(None, advice))][:3], "; ", ""),
         }
         return [(label, name_options(words)) for label, words in found.items() if words]
 
@@ -142,7 +142,7 @@ class Answer:
         return mark(self.line, self.doubts)
 
 
-def _list(parts, mark, more="{} more"):
+def join_parts(parts: Iterable[object], mark: str, more: str = "{} more") -> str:
     """Return those of several things that a line takes, the first at least, and how many others there are."""
     listed = [*map(str, parts)]
     # room for the number of the others

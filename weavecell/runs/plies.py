@@ -230,7 +230,7 @@ class PliesOfFabric:
         assert posterior is not None
         return find_spans(posterior.of(plies / self.reference).middles[:, None])[0]
 
-    def shares(self) -> dict[str, FloatArray]:
+    def shares(self) -> dict[str, Any]:
         """Compute the shares that stop, over the plies about the answer: {column: (n,)}, with what tests say of the
         model and by the model alone, each with its interval."""
         assert self.posterior is not None
