@@ -34,6 +34,7 @@ SECTIONS = {
         "v50",
         "compare",
         "plies",
+        "measure_first",
         "reduce_tests",
         "reduce_shot",
     ),

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-# an option of the command line with its number, if it has one
-_OPTION = re.compile(r"--([a-z][a-z0-9-]*)(?: (\d+))?")
+# an option of the command line with its number or its quoted text, if it has one
+_OPTION = re.compile(r"--([a-z][a-z0-9-]*)(?: (\d+|'[^']*'))?")
 _OF_TERMINAL: ContextVar[bool] = ContextVar("of_terminal", default=False)
 
 

@@ -35,6 +35,8 @@ from weavecell.api.lists import new_shot as new_shot
 from weavecell.api.lists import projectiles as projectiles
 from weavecell.api.lists import show as show
 from weavecell.api.lists import view as view
+from weavecell.api.measurements import MeasureFirst as MeasureFirst
+from weavecell.api.measurements import measure_first as measure_first
 from weavecell.api.meshes import MeshResult as MeshResult
 from weavecell.api.meshes import mesh as mesh
 from weavecell.api.own_runs import RunsResult as RunsResult

@@ -35,7 +35,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed
 from weavecell.results import display, json_file, out_folder
-from weavecell.results.finding import Answer
+from weavecell.results.finding import Answer, join_parts
 from weavecell.results.named_value import NamedValue
 from weavecell.scenes import curves, result_keys
 
@@ -312,10 +312,12 @@ class BiaxialFitResult(Result):
         return found
 
     @property
-    def _found(self) -> Answer:
+    def answer(self) -> Answer:
         """What was found, with what is doubtful of it."""
         texts = [f"{name} {constant.text()}" for name, constant in self._list_constants()]
-        return self._find_answer(f"{self.fabric.name}, fitted to biaxial tests", ", ".join(texts))
+        return self._find_answer(
+            f"{self.fabric.name}, fitted to biaxial tests", join_parts(texts, ", ")
+        )
 
     def _what(self):
         return self.title
@@ -439,7 +441,9 @@ class BiaxialFitResult(Result):
         from weavecell.results import provenance
 
         stamp = provenance.stamp("", self.given)
-        json_file.write(folder / "biaxial-fit.json", self.content() | {"provenance": stamp})
+        json_file.write(
+            folder / "biaxial-fit.json", {**self.content(), **self._answered(), "provenance": stamp}
+        )
         files.write(folder / "tests.csv", self.to_csv())
         files.write(folder / "curves.csv", self.curves())
         files.write(folder / "fabric-keys.toml", self.fabric_keys())
@@ -454,7 +458,7 @@ class BiaxialFitResult(Result):
             )
             sections = (section, checks.section(self.checks))
             seconds = {"fit": self.wall_time}
-            of_page = (lead, (self.fabric,), sections, stamp, seconds, self._found)
+            of_page = (lead, (self.fabric,), sections, stamp, seconds, self.answer)
             chapters.write(folder, *of_page)
         # law.json comes last: a folder that has it is complete
         self.law.to_json(folder / "law.json")

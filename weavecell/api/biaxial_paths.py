@@ -32,7 +32,7 @@ from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_surface
 from weavecell.results import json_file, out_folder, progress
-from weavecell.results.finding import Answer
+from weavecell.results.finding import Answer, join_parts
 from weavecell.scenes import build
 from weavecell.studies.energy_map import map_energy
 
@@ -274,13 +274,17 @@ class BiaxialResult(Result):
         return (*found, *crossover_checks.of_paths(self.solved.values()))
 
     @property
-    def _found(self) -> Answer:
+    def answer(self) -> Answer:
         """What was found, with what is doubtful of it."""
         ends = [
             f"strains {text} to {_pair(end['tension'], '.1f')} N ({end['failed']} at its strength)"
             for text, end in self.ends.items()
         ]
-        return self._find_answer(f"{self.fabric.name}, biaxial response", "; ".join(ends))
+        subject, over = (
+            f"{self.fabric.name}, biaxial response",
+            ", ".join(self._list_assumed_laws()),
+        )
+        return self._find_answer(subject, join_parts(ends, "; "), over=over)
 
     @cached_property
     def energy_map(self) -> EnergyMap:
@@ -359,7 +363,7 @@ class BiaxialResult(Result):
         files.write(folder / "biaxial.csv", self.to_csv())
         for text, history in self.solved.items():
             history.write(folder / f"{_stem(text)}.h5")
-        content = self.summary() | checks.summary(self.checks)
+        content = self.summary() | checks.summary(self.checks) | self._answered()
         json_file.write(folder / "biaxial.json", content | {"provenance": stamp})
         if not installed.can_draw():
             return
@@ -371,7 +375,7 @@ class BiaxialResult(Result):
         )
         seconds = {"all": self.seconds}
         sections = (section, checks.section(self.checks))
-        of_page = (lead, (self.fabric,), sections, stamp, seconds, self._found)
+        of_page = (lead, (self.fabric,), sections, stamp, seconds, self.answer)
         chapters.write(folder, *of_page)
 
     def _section(self):

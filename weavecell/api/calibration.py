@@ -672,9 +672,9 @@ class CalibrationResult(Result):
             over += f"; {name} {text}"
         bad = (*self._judge_law(), *law.outside_ends())
         use = "weavecell impact with fabric.law = law.json"
-        advice = (("measure the compression of the fabric between platens",) if bad else ()) + (
-            () if self._refusal else (use,)
-        )
+        advice = (
+            ("press the fabric between platens (`weavecell reduce compression`)",) if bad else ()
+        ) + (() if self._refusal else (use,))
         return self._find_answer(
             f"{self.fabric.name}, compression law of the yarns", value, advice=advice, over=over
         )
@@ -898,7 +898,7 @@ class CalibrationResult(Result):
                 path.write(folder / file_of(name))
         self.mesh.save(folder)
         stamp = provenance.stamp("", fabric)
-        json_file.write(folder / "provenance.json", stamp)
+        json_file.write(folder / "provenance.json", {**stamp, **self._what_is_doubtful()})
         files.write(folder / "paths.csv", self.to_csv())
         lead = (
             "The crossover is stretched along several biaxial paths until its fibres fail; one law is fitted to "

@@ -45,6 +45,7 @@ from weavecell.api.wording import Wording
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, result_folder, run_folder
+from weavecell.results.finding import Answer, join_parts
 from weavecell.scenes import build
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
@@ -408,6 +409,20 @@ class CouponResult(Result):
         table.attrs.update(self._what_is_assumed())
         return table
 
+    @property
+    def answer(self) -> Answer:
+        """How it ended, and what the test came to at its end."""
+        measures = [f"{name} {text}" for name, text in self._list_measures().items()]
+        value = join_parts([self.outcome, *measures], ", ")
+        outcome = "unstable" if self.outcome == "unstable" else "stopped"
+        over = ", ".join(self._list_assumed_laws())
+        return self._find_answer(self.record.facts["title"], value, outcome=outcome, over=over)
+
+    def _list_measures(self):
+        """{what was prescribed or measured: text with its unit} at the end."""
+        measures = self._collect_measures().items()
+        return {name: display.text(values[-1], unit) for name, (unit, values) in measures}
+
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
         return [f"{self.record.facts['title']}: {self.outcome}", *self.list_found()]
@@ -415,10 +430,8 @@ class CouponResult(Result):
     def list_found(self) -> list[str]:
         """Write what the test came to, a line each."""
         facts = self.record.facts
-        lines = []
-        for name, (unit, values) in self._collect_measures().items():
-            value = display.text(values[-1], unit)
-            lines.append(f"{name:<34}{value}{self._flag(name)}")
+        measures = self._list_measures().items()
+        lines = [f"{name:<34}{text}{self._flag(name)}" for name, text in measures]
         lines += self._list_unloaded()
         share = facts["yarn_stiffness_share"]
         if share < 1:
@@ -551,8 +564,7 @@ class CouponResult(Result):
         input_copies.keep_input(folder, self.text, self.case.scene, Path())
         files.write(folder / "coupon.csv", self.to_csv())
         content = self.record.facts | self._write_record(folder) | checks.summary(self.checks)
-        content |= self._what_is_assumed() | {"provenance": stamp}
-        content["answer"] = self.answer.entry()
+        content |= self._what_is_assumed() | self._answered() | {"provenance": stamp}
         json_file.write_summary(folder / "summary.json", content)
         outputs = self.case.scene.run.outputs
         if not outputs or not installed.can_draw():
@@ -587,11 +599,7 @@ class CouponResult(Result):
 
         case = self.case
         facts = self.record.facts
-        colour = "stopped"
-        if self.outcome == "unstable":
-            colour = "unstable"
         lines = tuple(" ".join(line.split()) for line in self.list_found())
-        found = self._find_answer(facts["title"], f"{self.outcome}, {lines[0]}", outcome=colour)
         section = replace(section, points=lines)
         laws = {case.law_name: case.laws}
         cell = chapters.cell(case.fabric, laws, case.scene.fabric.cell_model)
@@ -602,7 +610,7 @@ class CouponResult(Result):
             (section, cell, checks.section(self.checks)),
             stamp,
             {"test": facts["wall_time_s"]},
-            found,
+            self.answer,
         )
 
 
@@ -633,8 +641,7 @@ class PullOutResult(CouponResult):
         words."""
         return self.record.facts | {"checks": self.checks_text} | self._what_is_assumed()
 
-    def _rows(self):
-        """{what it is: text with its unit}."""
+    def _list_measures(self):
         facts = self.record.facts
         plateau = "not reached"
         if self.plateau is not None:
@@ -644,10 +651,10 @@ class PullOutResult(CouponResult):
             low, high = self.solved.coupon.assumed_friction.span
             friction += f", assumed ({low:g} .. {high:g})"
         return {
-            "friction between yarns": friction,
-            "displacement of the crosshead": f"{1e3 * facts['displacement_m']:.4g} mm",
             "peak load": f"{self.peak:.4g} N",
             "plateau load": plateau,
+            "friction between yarns": friction,
+            "displacement of the crosshead": f"{1e3 * facts['displacement_m']:.4g} mm",
             "slip length at the peak": f"{1e3 * facts['slip_length_m']:.4g} mm",
             "crossovers that the yarn's end has left": f"{facts['crossovers_left']} of {facts['crossings']}",
             "work of friction": f"{1e3 * facts['crossover_friction_work_J']:.4g} mJ",
@@ -655,7 +662,9 @@ class PullOutResult(CouponResult):
 
     def list_found(self) -> list[str]:
         """Write what the test came to, a line each."""
-        rows = [f"{name:<44}{text}{self._flag(name)}" for name, text in self._rows().items()]
+        rows = [
+            f"{name:<44}{text}{self._flag(name)}" for name, text in self._list_measures().items()
+        ]
         return rows + self._list_assumed_laws()
 
     def _lead(self):
@@ -665,7 +674,7 @@ class PullOutResult(CouponResult):
         """Return what it came to."""
         from pandas import DataFrame
 
-        return DataFrame(self._rows().items(), columns=["quantity", "value"])
+        return DataFrame(self._list_measures().items(), columns=["quantity", "value"])
 
     def figures(self) -> dict[str, tuple[str, Callable, tuple]]:
         """Return the figures, as `CouponResult` does."""

@@ -1,7 +1,7 @@
 """How many plies of which fabric stop a threat, with a given probability.
 
 The folder has, beside runs/ with a file for each run, report.html, plies.json, plies.csv (a row a fabric),
-shots.csv, plies.svg and scene.toml.
+shots.csv, shares.csv (the picture), plies.svg and scene.toml.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import nan
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -25,20 +25,30 @@ from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize
-from weavecell.api.study_result import StudyResult
+from weavecell.api.study_result import DrawnStudy
 from weavecell.api.target import is_input_file, is_setup, resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Section
-    from weavecell.runs.plies import Count, PliesOfFabric, V50Test
+    from weavecell.runs.measurement import Count, Measurement
+    from weavecell.runs.plies import PliesOfFabric, V50Test
 
-NAMES = ("plies.json", "plies.csv", "shots.csv", "plies.svg", *out_folder.INPUT, "report.html")
+NAMES = (
+    "plies.json",
+    "plies.csv",
+    "shots.csv",
+    "shares.csv",
+    "plies.svg",
+    *out_folder.INPUT,
+    "report.html",
+)
 TEST = "PLIES plies: V50, such as '5 plies: 290 m/s', or 'S-728, 5 plies: 290 m/s' of one of several fabrics"
 _TEST = re.compile(r"(?:(?P<fabric>.+),)?\s*(?P<plies>\d+)\s*pl(?:y|ies)\s*:\s*(?P<velocity>.+)")
 # said by other options, or what is asked for
@@ -165,8 +175,8 @@ def plies(
     alone, and with what tests say of the model, by the rows that were scored. An own V50 narrows the second.
     Fabrics are ranked by areal density; those whose order is not decided say so.
 
-    The folder `out` then has report.html, plies.json, plies.csv, plies.svg, shots.csv, scene.toml of the first
-    fabric, and runs/ with a file for each shot.
+    The folder `out` then has report.html, plies.json, plies.csv, plies.svg, shots.csv, shares.csv, scene.toml of the
+    first fabric, and runs/ with a file for each shot.
 
     Parameters
     ----------
@@ -296,7 +306,7 @@ class FabricRow:
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class PliesResult(StudyResult):
+class PliesResult(DrawnStudy):
     """The fewest plies of each fabric that stop a threat; the table has a row a fabric.
 
     Parameters
@@ -331,18 +341,6 @@ class PliesResult(StudyResult):
     def names(self) -> list[str]:
         """Names of the fabrics."""
         return [target.setup.fabric.name for target in self.targets]
-
-    @property
-    def draws_strengths(self) -> bool:
-        """As in `StudyResult`."""
-        return True
-
-    @property
-    def fired(self) -> ImpactSetup:
-        """As in `StudyResult`, of the first fabric."""
-        from weavecell.runs import table
-
-        return table.as_fired(super().fired)
 
     @property
     def title(self) -> str:
@@ -428,7 +426,8 @@ class PliesResult(StudyResult):
             decided = f"{first[0]} is lightest" if len(first) == 1 else "lightest not decided"
             parts[-1] += f", {decided}"
         least = self._known[ranked[0]]
-        advice = self._say_first(ranked[0])
+        # the least plies are those of the first; a test of its V50 has no mover beside which it stands
+        advice = tuple(one.advice for one in least.measure(ranked[0])[:2] if one.is_worth)
         movers = [
             Mover(name, unknown.ADVICE.get(name, ""), width, len(least.shots) >= v50.MANY)
             for name, width in least.moved.items()
@@ -436,22 +435,12 @@ class PliesResult(StudyResult):
         said = "; ".join([f"plies: {value}; by the model alone {model}", *alike])
         return self._find_answer(self.title, said, movers, advice, over="; ".join(parts))
 
-    def _say_first(self, name):
-        """Return what to measure first of a fabric, with the range of plies that is left."""
-        from weavecell.studies import unknown
+    @cached_property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """As in `DrawnStudy`, of the plies of each fabric."""
+        from weavecell.runs.measurement import rank
 
-        one = self._known[name]
-        now = one.by_tests
-        said = []
-        for what, count in one.narrowing.items():
-            if count.high - count.low > 0.9 * (now.high - now.low):
-                continue
-            if what == "V50":
-                test = f"shoot V50 of {counted(now.plies, 'ply')} of {name} and give `test`"
-                said.append(f"{test}: then {count.words()}")
-            elif what in unknown.ADVICE:
-                said.append(f"{unknown.ADVICE[what]}: then {count.words()}")
-        return tuple(said[:2])
+        return rank(part for name, one in self._known.items() for part in one.measure(name))
 
     def summary(self) -> dict[str, Any]:
         """Return what was asked for, and the plies of each fabric."""
@@ -512,26 +501,33 @@ class PliesResult(StudyResult):
         """What to measure first, by fabric."""
         from weavecell.report.page import Section, Table
 
-        rows = [
-            (name, "V50 of this count" if what == "V50" else what, count.words())
-            for name, one in self._known.items()
-            for what, count in one.narrowing.items()
-        ]
-        lead = "Plies that are left once this is known: a V50 by a test, a friction to a fifth of its range."
-        table = Table(("fabric", "measured", "plies then"), tuple(rows))
-        return [Section("first", "What to measure first", lead, (), (table,))]
+        columns = "plies of", "measured", "to", "plies then", "by", "read by"
+        rows = []
+        for one in self.measurements:
+            row = one.answer.removeprefix("plies of "), one.quantity, one.known_words
+            rows.append((*row, one.words(one.then), one.test, one.reader))
+        return [Section("first", "What to measure first", tables=(Table(columns, tuple(rows)),))]
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}, as `StudyResult` does."""
         content = {**self.summary(), "stop": self.stop, "wall_time": self.wall_time}
-        content["groups"] = self.groups
+        content |= self._what_to_measure() | {"groups": self.groups}
         content["model_error"] = asdict(self.found[0].error)
         return {
             "plies.json": content,
             "plies.csv": self.to_csv(),
             "shots.csv": self.shots.to_csv(index=False),
+            "shares.csv": self.shares.to_csv(index=False),
             "plies.svg": None,
         }
+
+    @cached_property
+    def shares(self) -> DataFrame:
+        """The table of the picture: the share that stops by fabric and plies."""
+        from pandas import DataFrame, concat
+
+        tables = [DataFrame({"fabric": name, **one.shares()}) for name, one in self._known.items()]
+        return concat(tables, ignore_index=True) if tables else DataFrame({"fabric": []})
 
     @property
     def shots(self) -> Any:
@@ -554,4 +550,4 @@ class PliesResult(StudyResult):
         """Draw the share that stops against the number of plies, a panel a fabric."""
         from weavecell.report import pictures_uncertainty
 
-        return pictures_uncertainty.plies(pyplot, self._known)
+        return pictures_uncertainty.plies(pyplot, self.shares, self.to_dataframe(), self.sure)

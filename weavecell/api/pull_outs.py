@@ -280,7 +280,10 @@ class PullOutFriction(DrawnResult):
         """The friction with its interval, and where to write it."""
         found = self.friction
         value = "friction between yarns is not told"
-        advice = ["draw yarns through twice as many crossings too, five times each"]
+        advice = [
+            "draw yarns through twice as many crossings too, five times each, for "
+            "`weavecell reduce pull-out`"
+        ]
         if found.mu is not None:
             value = f"friction between yarns {self._say_friction()}, c0 {self._say_cohesion()}"
             advice = [f"crossover_friction = {found.mu:.3g} in the input file ({KEYS})"]

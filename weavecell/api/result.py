@@ -156,6 +156,10 @@ class Result:
         """The lines of `assumed` that a quasi-static result follows from."""
         return list(self._lines_of(assumed.laws))
 
+    def _answered(self) -> dict[str, Any]:
+        """Return the entries of a JSON file: the answer, and what is doubtful of it."""
+        return {"answer": self.answer.entry()} | self._what_is_doubtful()
+
     def _what_is_assumed(self) -> dict[str, Any]:
         """Return the entries of a summary: what is doubtful, and what is assumed."""
         entries = self._what_is_doubtful()
@@ -165,11 +169,11 @@ class Result:
             entries["left_out"] = "; ".join(part.text for part in self.left_out)
         return entries
 
-    def _what_is_doubtful(self) -> dict[str, str]:
+    def _what_is_doubtful(self) -> dict[str, Any]:
         """The entry of a summary and of a JSON file: what is doubtful; none where nothing is."""
         if not self.doubts:
             return {}
-        return {"doubts": "; ".join(self.doubts)}
+        return {"doubts": [*self.doubts]}
 
     def _what(self) -> str:
         """The result in a few words, for the warning."""

@@ -117,9 +117,14 @@ class SavedResult(Result):
     @classmethod
     def read(cls, found: ResultFolder, name: str) -> SavedResult:
         """Read the JSON file of a name and all tables of a folder."""
-        from weavecell.results.result_folder import KINDS
+        from weavecell.results.result_folder import KINDS, LAW, MADE_LAW
 
-        return cls(found.folder, name, found.read_json(name), found.read_tables(), KINDS[name].csv)
+        content = found.read_json(name)
+        if name == LAW and found.has(MADE_LAW):
+            # a law says in a text what is doubtful of it; what made it has the list
+            content["doubts"] = found.read_json(MADE_LAW).get("doubts", [])
+        kind = OF_KINDS.get(KINDS[name].table, cls)
+        return kind(found.folder, name, content, found.read_tables(), KINDS[name].csv)
 
     @property
     def shots(self) -> DataFrame:
@@ -171,7 +176,8 @@ class SavedResult(Result):
     @property
     def doubts(self) -> tuple[str, ...]:
         """What was doubtful of the result."""
-        return tuple(filter(None, self.content.get("doubts", "").split("; ")))
+        found = self.content.get("doubts") or ()
+        return (found,) if isinstance(found, str) else tuple(found)
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers and texts of its JSON file; what is in tables there is in `content`."""
@@ -194,6 +200,22 @@ class SavedResult(Result):
         lines = [self.answer.line, f"read from {self.folder / self.name}"]
         lines += [f"{key}: {value}" for key, value in self.summary().items() if value is not None]
         return lines
+
+
+class SavedPlies(SavedResult):
+    """A SavedResult of `weavecell plies`, with its picture."""
+
+    def plot(self) -> Figure:
+        """Draw a matplotlib figure: the share that stops against the number of plies, a panel a fabric."""
+        from weavecell.report import pictures_uncertainty
+
+        shares = self.tables["shares.csv"]
+        counts = self.tables[self.main]
+        return figure(pictures_uncertainty.plies, shares, counts, self.content["sure"])
+
+
+# {table of keys.toml: class of what is loaded of it}
+OF_KINDS = {"ply_counts": SavedPlies}
 
 
 def overlay(*results: Any) -> Figure:

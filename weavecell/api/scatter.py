@@ -22,7 +22,7 @@ from weavecell.api.command import Plan, Report, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize
-from weavecell.api.study_result import StudyResult
+from weavecell.api.study_result import DrawnStudy
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
+    from weavecell.runs.measurement import Measurement
     from weavecell.runs.span import Span
     from weavecell.runs.v50 import Study
     from weavecell.studies.inputs import Scatter
@@ -212,7 +213,7 @@ def v50(
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class V50Result(StudyResult):
+class V50Result(DrawnStudy):
     """The probability of perforation over all that is drawn; the table has a row a shot.
 
     Parameters
@@ -310,37 +311,16 @@ class V50Result(StudyResult):
         if found is None:
             return self._find_answer(subject, "not determined: all outcomes are alike", over=over)
         sure = len(shots) >= v50.MANY
-        first = self._say_first()
+        # the first is told with what it leaves
+        first = {one.quantity: one.advice for one in self.measurements[:1] if one.is_worth}
         settles = {name: unknown.ADVICE.get(name, "") for name in found.widths} | first
         moved = [Mover(name, settles[name], width, sure) for name, width in found.widths.items()]
         return self._find_answer(subject, found.words(), moved, tuple(first.values()), over=over)
 
-    def _say_first(self):
-        """Return {what to measure first: how, and by how much it narrows the V50 of a cloth}; {}
-        where nothing would."""
-        from weavecell.runs import v50
-        from weavecell.studies import unknown
-
-        for name, (now, then) in self.study.narrowing.items():
-            if then > 0.9 * now or name not in unknown.ADVICE:
-                break
-            low, high = self.study.range_of(name)
-            known = f"to ± {0.5 * v50.KNOWN * (high - low):.2g}"
-            narrows = f"V50 of a cloth ± {now:.2g} to ± {then:.2g} m/s"
-            return {name: f"{unknown.ADVICE[name]} {known}: {narrows}"}
-        return {}
-
     @property
-    def draws_strengths(self) -> bool:
-        """As in `StudyResult`: it is what is studied."""
-        return True
-
-    @property
-    def fired(self) -> ImpactSetup:
-        """As in `StudyResult`: the whole panel, on the mesh of a V50."""
-        from weavecell.runs import table
-
-        return table.as_fired(super().fired)
+    def measurements(self) -> tuple[Measurement, ...]:
+        """As in `DrawnStudy`, of the V50 of a cloth."""
+        return self.study.measurements
 
     @property
     def title(self) -> str:
@@ -427,6 +407,7 @@ class V50Result(StudyResult):
             given.append(numbers | {"source": entry.source, "status": entry.status})
         content = {
             **study.summary(),
+            **self._what_to_measure(),
             "unknown": {FRICTIONS[name].words: ends for name, ends in study.unknown.items()},
             "plies": self.target.setup.plies,
             "projectile": self.target.projectile,

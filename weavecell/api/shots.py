@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
     from weavecell.report.page import Embedded
     from weavecell.results.result_folder import ResultFolder
+    from weavecell.runs.measurement import Measurement
     from weavecell.runs.passing import Passing
     from weavecell.scenes.build import Case
     from weavecell.studies.mesh_uncertainty import Discretisation, Shot
@@ -455,7 +456,7 @@ OFFERED = (
     *("cone_radius", "cut_times"),
     *("histories", "measured", "title", "fabric", "target", "summary", "to_dataframe"),
     *("to_xarray", "to_vtk", "plot", "plot_panel", "view", "save", "checks", "checks_table"),
-    *("checks_text", "doubtful", "doubts", "assumed", "draws", "shots", "left_out"),
+    *("checks_text", "doubtful", "doubts", "assumed", "draws", "shots", "left_out", "measurements"),
     "wall_time",
 )
 
@@ -567,6 +568,11 @@ class ShotResult(ImpactRecord, Result):
         return (*super().doubts, *self.draws.doubts)
 
     @property
+    def measurements(self) -> tuple[Measurement, ...] | None:
+        """What measurements leave of the share that passes, of drawn shots; None without."""
+        return None if self.draws is None else self.draws.measurements
+
+    @property
     def _run_words(self):
         """What the run took of all that nobody gave."""
         from weavecell.studies import unknown
@@ -593,7 +599,7 @@ class ShotResult(ImpactRecord, Result):
             shots = counted(len(self.draws.shots), "drawn shot")
             over = f"{shots}: {unknown.say_drawn(self.target.setup)}"
             value, outcome = self.draws.words(), self.draws.outcome
-            advice = tuple(unknown.FRICTIONS[name].advice for name in self.draws.unknown)
+            advice = tuple(one.advice for one in self.draws.measurements if one.is_worth)
         if self.rigid_check.endswith("elastic projectile"):
             moved += (Mover("yielding of the projectile", 'projectile.body = "elastic_bar"'),)
         return self._find_answer(self.title, value, moved, advice, outcome=outcome, over=over)
@@ -619,7 +625,7 @@ class ShotResult(ImpactRecord, Result):
         if self.backing is None:
             absent.add("back_face_signature_mm")
         if self.draws is None:
-            absent.add("draws")
+            absent |= {"draws", "measurements"}
         return [name for name in OFFERED if name not in absent]
 
     def summary(self) -> dict[str, Any]:
@@ -792,10 +798,10 @@ class ShotResult(ImpactRecord, Result):
         content = (
             self.facts() | checks.summary(self.checks) | chapters_discretisation.summary(self.pair)
         )
-        content |= summarise(self.left_out) | self._what_is_doubtful()
-        content["answer"] = self.answer.entry()
+        content |= summarise(self.left_out) | self._answered()
         if self.draws is not None:
             content["draws"] = self.draws.summary()
+            content["measure_first"] = [one.entry() for one in self.draws.measurements]
             files.write(out / f"{out_folder.DRAWS}.csv", one_table.csv(self.shots))
         content |= {
             "projectile": words.shot_in_words(projectile),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
     from weavecell.api.target import Target
     from weavecell.report.page import Section
+    from weavecell.runs.measurement import Measurement
 
 
 class DrawnResult(Result):
@@ -48,8 +49,7 @@ class DrawnResult(Result):
         for name, content in self.files().items():
             kind = name.partition(".")[2]
             if kind == "json":
-                content |= summarise(self.left_out) | self._what_is_doubtful()
-                content["answer"] = self.answer.entry()
+                content |= summarise(self.left_out) | self._answered()
                 json_file.write(folder / name, content | {"provenance": stamp})
             elif kind == "h5":
                 one_table.write_hdf5(content, folder / name, self.kind)
@@ -151,3 +151,28 @@ class StudyResult(DrawnResult):
         if hasattr(self, "targets"):
             lead = f"The first combination: {lead}"
         chapters.write(out, lead, setup.fabrics, sections, stamp, seconds, self.answer, (), beside)
+
+
+class DrawnStudy(StudyResult):
+    """A study whose shots are at drawn panels. A derived class has what raises NotImplementedError here."""
+
+    @property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """What measurements leave of the answer, what narrows it most first."""
+        raise NotImplementedError
+
+    def _what_to_measure(self):
+        """Return the entry of a JSON file."""
+        return {"measure_first": [one.entry() for one in self.measurements]}
+
+    @property
+    def draws_strengths(self) -> bool:
+        """As in `StudyResult`."""
+        return True
+
+    @property
+    def fired(self) -> ImpactSetup:
+        """As in `StudyResult`: the whole panel of resolved yarns, on the mesh of drawn shots."""
+        from weavecell.runs import table
+
+        return table.as_fired(super().fired)

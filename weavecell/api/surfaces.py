@@ -251,7 +251,7 @@ class SurfaceResult(Result):
         return crossover_checks.of_surface(self.surface, self.sampled.errors)
 
     @property
-    def _found(self) -> Answer:
+    def answer(self) -> Answer:
         """What was found, with what is doubtful of it."""
         error = self.sampled.errors["T1"]
         samples = f"{self.surface.d1.size} × {self.surface.d2.size} samples"
@@ -326,7 +326,9 @@ class SurfaceResult(Result):
         stamp = provenance.stamp("", self.fabric)
         self.surface.write(folder / "surface.h5")
         files.write(folder / "surface.csv", self.to_csv())
-        json_file.write(folder / "surface.json", self.summary() | {"provenance": stamp})
+        json_file.write(
+            folder / "surface.json", {**self.summary(), **self._answered(), "provenance": stamp}
+        )
         section = self._section()
         page.write_pictures([section], folder / "pictures")
         lead = "Tensions, contact force and heights of one crossing over the end displacements of its two yarns."
@@ -335,7 +337,7 @@ class SurfaceResult(Result):
             lead += f" Coulomb friction {friction:g}; the weft is stretched first, then the warp."
         seconds = self.sampled.seconds
         sections = (section, checks.section(self.checks))
-        of_page = (lead, (self.fabric,), sections, stamp, seconds, self._found)
+        of_page = (lead, (self.fabric,), sections, stamp, seconds, self.answer)
         chapters.write(folder, *of_page)
 
     def _section(self):

@@ -33,8 +33,14 @@ from weavecell.results import glossary, progress
 CORES = os.cpu_count() or 1
 RESULTS = Path("results")
 DEFAULTS: dict[str, Any] = {"jobs": CORES, "executor": "local", "resume": False}
-ARGUMENTS = ("target", "other", "tests", "fabric", "fabrics", "name", "file", "record")
-METAVARS = {"fabrics": "FABRIC...", "executor": "local|mpi|dask", "out": "FOLDER", "file": "PATH"}
+ARGUMENTS = ("target", "other", "tests", "fabric", "fabrics", "name", "file", "record", "folder")
+METAVARS = {
+    "fabrics": "FABRIC...",
+    "executor": "local|mpi|dask",
+    "out": "FOLDER",
+    "file": "PATH",
+    "folder": "FOLDER",
+}
 # options with another name than their parameter
 WORDS = {"values": "from"}
 SHORT = {"out": "-o"}

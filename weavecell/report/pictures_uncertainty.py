@@ -3,7 +3,7 @@ sweeps."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,13 +20,13 @@ from weavecell.report.pictures_style import (
 )
 from weavecell.results.keys import find_axis
 from weavecell.runs.go_no_go import LEVELS
+from weavecell.runs.measurement import Count
 from weavecell.studies.unknown import FRICTIONS
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.runs.passing import Passing
-    from weavecell.runs.plies import PliesOfFabric
     from weavecell.runs.sweep import Quantity
     from weavecell.runs.v50 import Study
 
@@ -61,30 +61,32 @@ def perforation(pyplot: Any, study: Study) -> Any:
     return figure
 
 
-def plies(pyplot: Any, found: Mapping[str, PliesOfFabric]) -> Any:
+def plies(pyplot: Any, shares: DataFrame, counts: DataFrame, sure: float) -> Any:
     """Draw the share that stops over the number of plies, a panel a fabric: by the model, and with what tests say
-    of it, each with its 90 % interval."""
-    rows = max(len(found), 1)
+    of it, each with its 90 % interval.
+
+    Parameters
+    ----------
+    shares, counts : `shares` and `to_dataframe()` of a PliesResult
+    sure : share that is asked for
+    """
+    rows = max(shares["fabric"].nunique(), 1)
     figure, axes = pyplot.subplots(rows, 1, figsize=(NARROW, 1.4 + 2.4 * rows), squeeze=False)
-    for axis, (name, one) in zip(axes[:, 0], found.items()):
-        assert one.posterior is not None
-        most = max(one.by_model.high, min(one.by_tests.high, 3 * one.by_tests.plies), 4)
-        counts = np.arange(1, min(most, 40) + 2)
-        for colour, label, posterior in (
-            (ORANGE, "with what tests say of the model", one.tested),
-            (BLUE, "by the model alone", one.posterior),
+    found = counts.set_index("fabric")
+    for axis, (name, one) in zip(axes[:, 0], shares.groupby("fabric", sort=False)):
+        words = []
+        for colour, label, what, column in (
+            (ORANGE, "with what tests say of the model", "tested", "plies"),
+            (BLUE, "by the model alone", "model", "plies_by_model"),
         ):
-            stops = 1 - np.hstack(
-                [posterior.of(n / one.reference).passed([one.velocity]) for n in counts]
-            )
-            low, high = np.quantile(stops, (0.05, 0.95), axis=0)
-            axis.fill_between(counts, low, high, color=colour, alpha=0.2, lw=0)
-            axis.plot(counts, stops.mean(axis=0), "o-", ms=3, color=colour, label=label)
-        axis.axhline(one.sure, color=INK, lw=0.8, ls=":", label="asked for")
-        axis.axvline(one.by_tests.plies, color=ORANGE, lw=0.8, ls="--")
-        axis.axvline(one.by_model.plies, color=BLUE, lw=0.8, ls="--")
-        words = f"{name}: plies {one.by_tests.words()}, by the model {one.by_model.words()}"
-        axis.set_title(words, fontsize="medium")
+            low, high = one[f"{what}_low"], one[f"{what}_high"]
+            axis.fill_between(one["plies"], low, high, color=colour, alpha=0.2, lw=0)
+            axis.plot(one["plies"], one[what], "o-", ms=3, color=colour, label=label)
+            count = Count(*(int(found[f"{column}{end}"][name]) for end in ("", "_low", "_high")))
+            axis.axvline(count.plies, color=colour, lw=0.8, ls="--")
+            words.append(count.words())
+        axis.axhline(sure, color=INK, lw=0.8, ls=":", label="asked for")
+        axis.set_title(f"{name}: plies {words[0]}, by the model {words[1]}", fontsize="medium")
         axis.set(ylabel="share that stops [-]", ylim=(-0.05, 1.05))
         axis.xaxis.get_major_locator().set_params(integer=True)
     axes[-1, 0].set(xlabel="plies [-]")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
 WIDTH, LABEL = 120, 11  # characters of a printed line, and of what stands before it
+RANKS = "first", "second", "third", "fourth"
 PLAIN = "plain"
 COLOURED = ("stopped", "perforated", "unstable")
 CLEAR = "no check beyond its limit"
@@ -66,6 +67,7 @@ class Answer:
     movers : what moves it, and what it leaves out
     advice : what to do first, with options as the command line names them
     near : checks within their limits that come near them
+    listed : of an answer that is a list, the parts of each of its first lines, the most needed first
     """
 
     subject: str
@@ -76,6 +78,7 @@ class Answer:
     movers: tuple[Mover, ...] = ()
     advice: tuple[str, ...] = ()
     near: tuple[str, ...] = ()
+    listed: tuple[tuple[str, ...], ...] = ()
 
     @property
     def tone(self) -> str:
@@ -98,13 +101,14 @@ class Answer:
         advice = (*self.advice, *(one.settle for one in self.ranked if one.moved != 0))
         found = {
             "answer": f"DOUBTFUL: {self.value}" if self.doubts else self.value,
-            "over": _list(self.over.split(", "), ", "),
-            "moved by": _list(moved, ", "),
-            "leaves out": _list([one for one in self.movers if one.moved is None], "; "),
-            "doubts": _list(self.doubts, "; ") or _list((CLEAR, *self.near), "; near: "),
-            "next": name_options(_list([*dict.fromkeys(filter(None, advice))][:3], "; ", "")),
+            **{rank: join_parts(parts, "; ", "") for rank, parts in zip(RANKS, self.listed)},
+            "over": join_parts(self.over.split(", "), ", "),
+            "moved by": join_parts(moved, ", "),
+            "leaves out": join_parts([one for one in self.movers if one.moved is None], "; "),
+            "doubts": join_parts(self.doubts, "; ") or join_parts((CLEAR, *self.near), "; near: "),
+            "next": join_parts([*dict.fromkeys(filter(None, advice))][:3], "; ", ""),
         }
-        return [(label, words) for label, words in found.items() if words]
+        return [(label, name_options(words)) for label, words in found.items() if words]
 
     def lines(self, folder: Path | None = None) -> list[str]:
         """Write the eight lines that are printed; the last says where the files are."""
@@ -115,14 +119,18 @@ class Answer:
         return [self.subject, *(f"{label:<{LABEL}} {words}" for label, words in rows)]
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain types, for a JSON file."""
-        return asdict(self)
+        """Return it as plain types, for a JSON file; an answer that is a list is written as such."""
+        entry = asdict(self)
+        if not self.listed:
+            del entry["listed"]
+        return entry
 
     @classmethod
     def read(cls, entry: dict[str, Any]) -> Self:
         """Return the Answer of an entry of a JSON file."""
         movers = tuple(Mover(**one) for one in entry["movers"])
         texts = {name: tuple(entry[name]) for name in ("doubts", "advice", "near")}
+        texts["listed"] = tuple(map(tuple, entry.get("listed", ())))
         return cls(**(entry | texts | {"movers": movers}))
 
     @property
@@ -134,7 +142,7 @@ class Answer:
         return mark(self.line, self.doubts)
 
 
-def _list(parts, mark, more="{} more"):
+def join_parts(parts: Iterable[object], mark: str, more: str = "{} more") -> str:
     """Return those of several things that a line takes, the first at least, and how many others there are."""
     listed = [*map(str, parts)]
     # room for the number of the others

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 SCENE = "scene.toml"
 HISTORIES = "histories.h5"
 SUMMARY = "summary.json"
+LAW = "law.json"
+MADE_LAW = "provenance.json"  # beside it, of what `calibrate` says of it
 # what is computed, and what it was computed from
 NUMBERS = ("*.h5", "*.json", "*.csv", *file_list.INPUT)
 # the shapes of all instants
@@ -67,7 +69,7 @@ KINDS = {
     "shot.json": Kind("shot", "motion.csv"),
     "biaxial.json": Kind("biaxial", "biaxial.csv"),
     "biaxial-fit.json": Kind("biaxial_fit", "tests.csv"),
-    "law.json": Kind("law", "paths.csv"),
+    LAW: Kind("law", "paths.csv"),
     "surface.json": Kind("surface", "surface.csv"),
     "case.json": Kind("case", "case.csv"),
     "mesh.json": Kind("mesh", ""),

@@ -167,24 +167,35 @@ class LimitPosterior:
         """Compute the probability [-] that a shot passes at velocities (v,) [m/s]."""
         return find_spans(self.passed(velocity))
 
-    def draw_cloths(self, narrowed: tuple[str, float] | None = None) -> FloatArray:
+    def narrow(self, name: str, share: float) -> LimitPosterior:
+        """Return the posterior for panels of which something is known: of its range a share alone is left."""
+        number = self.names.index(name)
+        middle = self.population[:, number].mean()
+        population = self.population.copy()
+        population[:, number] = middle + share * (population[:, number] - middle)
+        return replace(self, population=population)
+
+    def draw_cloths(self) -> FloatArray:
         """Return V50 [m/s] (d, m) that tests of single cloths would find: what is common to the shots at
-        one is drawn once, so that V50 differs from cloth to cloth.
+        one is drawn once, so that V50 differs from cloth to cloth."""
+        return self.middle[:, None] * (1 + self.slopes @ self._cloth.T)
 
-        Parameters
-        ----------
-        narrowed : (name, share) of something known, of whose range a share alone is left
-        """
-        middle = self.population.mean(axis=0)
-        apart = np.where(self.common, self.population - middle, 0.0)
-        if narrowed is not None:
-            name, share = narrowed
-            apart[:, self.names.index(name)] *= share
-        return self.middle[:, None] * (1 + self.slopes @ (middle + apart).T)
+    def cloths(self) -> Span:
+        """Compute the V50 [m/s] that a test of one cloth would find."""
+        return find_spans(self.draw_cloths().reshape(-1, 1))[0]
 
-    def cloths(self, narrowed: tuple[str, float] | None = None) -> Span:
-        """Compute the V50 [m/s] that a test of one cloth would find; `narrowed` as of `draw_cloths`."""
-        return find_spans(self.draw_cloths(narrowed).reshape(-1, 1))[0]
+    def cloths_passed(self, velocity: float) -> Span:
+        """Compute the share [-] that passes at `velocity` [m/s] of shots at one cloth: what is common to them is
+        drawn once, what differs from shot to shot is averaged over."""
+        own = self.population - self._cloth
+        spread = np.sqrt(self.scatter**2 + (self.slopes @ own.T).var(axis=1))
+        apart = velocity / self.middle[:, None] - 1 - self.slopes @ self._cloth.T
+        return find_spans(ndtr(apart / spread[:, None]).reshape(-1, 1))[0]
+
+    @property
+    def _cloth(self):
+        """(m, names) what is known of cloths; what differs from shot to shot is in its middle."""
+        return np.where(self.common, self.population, self.population.mean(axis=0))
 
     @cached_property
     def widths(self) -> dict[str, float]:

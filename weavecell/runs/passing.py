@@ -13,11 +13,13 @@ from scipy.special import betaincinv
 
 from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
-from weavecell.runs import table
-from weavecell.runs.go_no_go import LEVELS
+from weavecell.runs import go_no_go, table, v50
+from weavecell.runs.go_no_go import LEVELS, LimitPosterior, Outcomes
+from weavecell.runs.measurement import Measurement, measure_known, rank
 from weavecell.runs.outcomes import DEPENDS
 from weavecell.runs.span import CONFIDENCE, Span
 from weavecell.runs.table import Shot
+from weavecell.studies import strengths
 from weavecell.studies.inputs import Scatter
 from weavecell.studies.unknown import find_unknown
 
@@ -32,12 +34,14 @@ class Passing:
     shots : tuple of Shot that have an outcome
     unknown : {what is assumed: (low, high)} of the frictions that were drawn
     failures : why others have none
+    posterior : of limits; None where outcomes are all alike
     """
 
     velocity: float
     shots: tuple[Shot, ...]
     unknown: dict[str, tuple[float, float]]
     failures: tuple[str, ...] = ()
+    posterior: LimitPosterior | None = None
 
     @cached_property
     def share(self) -> Span:
@@ -46,6 +50,16 @@ class Passing:
         part = 0.5 * (1 - CONFIDENCE)
         ends = betaincinv(hits + 0.5, count - hits + 0.5, (part, 1 - part))
         return Span(hits / count, *map(float, ends))
+
+    @cached_property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """What measurements leave of the share of shots at a cloth that passes, what narrows it most first."""
+
+        def find(posterior):
+            return posterior.cloths_passed(self.velocity)
+
+        answer = "share of shots at a cloth that passes"
+        return rank(measure_known(self.posterior, self.unknown, find, answer, ""))
 
     def quantiles(self, name: str) -> tuple[float, ...]:
         """Return LEVELS of a field of the shots, "residual" [m/s] or "deflection" [m]."""
@@ -107,7 +121,20 @@ def fire_draws(
     fired = table.run(rows, **runs)
     shots = tuple(shot for shot in fired if not shot.failure)
     failures = tuple(shot.failure for shot in fired if shot.failure)
-    return Passing(setup.strike_velocity, shots, find_unknown(setup), failures)
+    posterior = _fit(rows[0].setup, shots, setup.strike_velocity, seed)
+    return Passing(setup.strike_velocity, shots, find_unknown(setup), failures, posterior)
+
+
+def _fit(setup, shots, velocity, seed):
+    """Return the posterior of limits of shots at one velocity, which the first guess is; None where outcomes are
+    all alike."""
+    known = [strengths.draw_known(setup, seed, shot.number) for shot in shots]
+    perforated = [shot.perforated for shot in shots]
+    if len(set(perforated)) < 2:
+        return None
+    rows = np.array([[*one.values()] for one in known]).reshape(len(known), len(known[0]))
+    outcomes = Outcomes(tuple(known[0]), rows, np.full(len(rows), velocity), np.array(perforated))
+    return go_no_go.fit(outcomes, velocity, v50.draw_population(setup, seed))
 
 
 def count_doubts(shots: Sequence[Shot], failures: Sequence[str] = ()) -> tuple[str, ...]:

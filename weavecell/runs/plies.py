@@ -20,7 +20,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import ceil, log, sqrt
 from typing import Any, NamedTuple
@@ -28,18 +28,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fabrics.base.checks import FloatArray
+from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.plies.pack_keys import MOST_PLIES
 from weavecell.runs import go_no_go
 from weavecell.runs.difference import subtract
 from weavecell.runs.go_no_go import LimitPosterior
+from weavecell.runs.measurement import Count, Measurement, measure_known, rank
 from weavecell.runs.span import CONFIDENCE, Span, find_spans
 from weavecell.runs.table import Draw, Shot
-from weavecell.runs.v50 import KNOWN, Series, draw_population
+from weavecell.runs.v50 import Series, draw_population
 from weavecell.studies import ballistic_limit, strengths
 from weavecell.studies.inputs import Scatter
+from weavecell.studies.unknown import find_unknown
 
 STEP = 2.0  # of the count from one round to the next, at most
+MOST_DRAWN = 40  # plies of a picture
 LEAST_GROWTH = 0.1  # [-] that is left of the growth where tests say that it is too large
 V50_ROWS = "V50 of one ply", "V50 of packs"
 GROWTH_ROW = re.compile(r"growth of V50 from (\d+) to (\d+) plies.*")
@@ -79,19 +83,6 @@ class V50Test(NamedTuple):
 
     plies: int
     velocity: float
-
-
-class Count(NamedTuple):
-    """Plies: the least that are sure enough, and the range of the least of the draws."""
-
-    plies: int
-    low: int
-    high: int
-
-    def words(self) -> str:
-        """Write it with its range; a count that none reaches as more than the most."""
-        shown = [f"{n}" if n <= MOST_PLIES else f">{MOST_PLIES}" for n in self]
-        return f"{shown[0]} ({shown[1]} to {shown[2]})"
 
 
 def find_error(scored: Iterable[Mapping[str, str]]) -> ModelError:
@@ -198,6 +189,7 @@ class PliesOfFabric:
     error : ModelError
     tests : of this fabric
     failures : why other shots have no outcome
+    unknown : {what is assumed: (low, high)} of the frictions that were drawn
     """
 
     shots: tuple[Shot, ...]
@@ -210,6 +202,7 @@ class PliesOfFabric:
     error: ModelError
     tests: tuple[V50Test, ...] = ()
     failures: tuple[str, ...] = ()
+    unknown: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @cached_property
     def tested(self) -> LimitPosterior:
@@ -237,6 +230,21 @@ class PliesOfFabric:
         assert posterior is not None
         return find_spans(posterior.of(plies / self.reference).middles[:, None])[0]
 
+    def shares(self) -> dict[str, Any]:
+        """Compute the shares that stop, over the plies about the answer: {column: (n,)}, with what tests say of the
+        model and by the model alone, each with its interval."""
+        assert self.posterior is not None
+        most = max(self.by_model.high, min(self.by_tests.high, 3 * self.by_tests.plies), 4)
+        plies = np.arange(1, min(most, MOST_DRAWN) + 2)
+        found = {"plies": plies}
+        part = 0.5 * (1 - CONFIDENCE)
+        for name, posterior in (("tested", self.tested), ("model", self.posterior)):
+            packs = [posterior.of(n / self.reference) for n in plies]
+            stops = 1 - np.hstack([pack.passed([self.velocity]) for pack in packs])
+            low, high = np.quantile(stops, (part, 1 - part), axis=0)
+            found |= {name: stops.mean(axis=0), f"{name}_low": low, f"{name}_high": high}
+        return found
+
     @property
     def moved(self) -> dict[str, float]:
         """{what moves the limit: [m/s] by its middle 90 %}: the error of the model first, then what is drawn."""
@@ -245,24 +253,32 @@ class PliesOfFabric:
         ends = find_spans(self.tested.of(at).middles[:, None])[0]
         return {"error of the model": ends.high - ends.low, **self.posterior.of(at).widths}
 
-    @cached_property
-    def narrowing(self) -> dict[str, Count]:
-        """{what could be measured: plies with their range once it is}, what narrows it most first: a V50 of
-        as many plies as the answer has, "V50", or something drawn that is common to a cloth, to KNOWN of its
-        range."""
-        assert self.posterior is not None
+    def measure(self, fabric: str) -> tuple[Measurement, ...]:
+        """Return what measurements leave of the plies of a fabric of that name, what narrows them most first: a
+        V50 of as many plies as the answer has, and each thing drawn that is common to a cloth."""
+        if self.posterior is None:
+            return ()
         plies = min(self.by_tests.plies, MOST_PLIES)
         test = V50Test(plies, self.v50(plies).value)
         again = as_tests_say(self.posterior, self.reference, self.error, (test, *self.tests))
-        found = {"V50": self._count(again)}
-        population = self.tested.population
-        middle = population.mean(axis=0)
-        for number, (name, common) in enumerate(zip(self.tested.names, self.tested.common)):
-            if common:
-                known = population.copy()
-                known[:, number] = middle[number] + KNOWN * (known[:, number] - middle[number])
-                found[name] = self._count(replace(self.tested, population=known))
-        return dict(sorted(found.items(), key=lambda item: item[1].high - item[1].low))
+        answer, unit = f"plies of {fabric}", "plies"
+        of_pack = counted(plies, "ply")
+        shot = Measurement(
+            answer,
+            Span(*self.by_tests),
+            Span(*self._count(again)),
+            unit,
+            f"V50 of {of_pack}",
+            self.error.of_test * test.velocity,
+            "m/s",
+            "shots about V50",
+            f"plies --test '{fabric}, {of_pack}: V50'",
+        )
+
+        def count(posterior):
+            return Span(*self._count(posterior))
+
+        return rank([shot, *measure_known(self.tested, self.unknown, count, answer, unit)])
 
 
 def study(
@@ -320,6 +336,7 @@ def study(
         error,
         tuple(tests),
         failures,
+        find_unknown(asked),
     )
 
 

@@ -23,13 +23,14 @@ from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
 from weavecell.runs import go_no_go, table
 from weavecell.runs.go_no_go import LimitPosterior, Outcomes
+from weavecell.runs.measurement import Measurement, measure_known, rank
 from weavecell.runs.span import CONFIDENCE
 from weavecell.runs.table import Draw, Row, Shot
 from weavecell.studies import ballistic_limit, lambert_jonas, protocol, strengths
 from weavecell.studies.inputs import Scatter
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import SixShots
-from weavecell.studies.unknown import FRICTIONS, find_unknown
+from weavecell.studies.unknown import find_unknown
 
 # shots of a round, and the fewest of a study. Of 16 in rounds of 4 V50 is off by 3.4 m/s, of 2 by 2.5, one by
 # one by 2.3
@@ -37,7 +38,6 @@ BATCH = 2
 LEAST = 4
 USUAL = 16
 MANY = 32  # shots that tell by how much what is drawn moves the limit; fewer tell its order at best
-KNOWN = 0.2  # of the range of a friction that a measurement leaves
 MOST_WITHIN = 64  # shots at most of a study that goes on until its interval is narrow enough
 POPULATION = 128  # panels of which V10, V50 and V90 are those of the plane
 
@@ -69,10 +69,6 @@ class Study:
         residuals = [shot.residual if shot.perforated else 0.0 for shot in self.shots]
         return lambert_jonas.fit(strikes, residuals)
 
-    def range_of(self, name: str) -> tuple[float, float]:
-        """Return the range (low, high) of something drawn, by its words."""
-        return next(ends for key, ends in self.unknown.items() if FRICTIONS[key].words == name)
-
     @property
     def six_shots(self) -> SixShots:
         """V50 of six of the shots."""
@@ -80,19 +76,10 @@ class Study:
         return protocol.six_shots(*zip(*fired))
 
     @cached_property
-    def narrowing(self) -> dict[str, tuple[float, float]]:
-        """{what is common to a cloth: half width [m/s] of the V50 of a cloth, as it is and once this is
-        known to `KNOWN` of its range}, what narrows it most first."""
-        posterior = self.posterior
-        if posterior is None:
-            return {}
-        now = posterior.cloths().half
-        found = {
-            name: (now, posterior.cloths((name, KNOWN)).half)
-            for name, common in zip(posterior.names, posterior.common)
-            if common
-        }
-        return dict(sorted(found.items(), key=lambda item: item[1][1]))
+    def measurements(self) -> tuple[Measurement, ...]:
+        """What measurements leave of the V50 of a cloth, what narrows it most first."""
+        words = "V50 of a cloth", "m/s"
+        return rank(measure_known(self.posterior, self.unknown, LimitPosterior.cloths, *words))
 
     @property
     def doubtful(self) -> int:

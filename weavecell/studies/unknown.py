@@ -47,6 +47,7 @@ class Unknown:
     name : in words
     way : Way, how it is found in a set-up, and put there
     advice : what tells it
+    test, command : that measures it, and what of the command line reduces that; "" of what is only given
     keys : of input or fabric files that give it
     short : what it is called with others that belong to it; "" by its name
     unit, scale : of values in words, and over SI
@@ -67,6 +68,8 @@ class Unknown:
     panel: int | None = None
     of_cloth: bool = True
     known: bool = False
+    test: str = ""
+    command: str = ""
 
     @property
     def words(self) -> str:
@@ -134,8 +137,11 @@ def _scrambled(name, seed, number):
 
 
 TEST_YARNS = "test yarns taken from the fabric; give fabric.weaving_damage"
-MEASURE_CRIMP = "measure crimp by ISO 7211-3"
-MEASURE_FRICTION = "measure friction between yarns (`weavecell reduce pull-out`)"
+MEASURE_CRIMP = "measure crimp by ISO 7211-3; give warp.crimp and weft.crimp"
+FIT_LAW = "press plies between platens (`weavecell reduce compression --cell-of FABRIC`)"
+FIT_TRELLIS = "test a picture frame (`weavecell fabrics new --picture-frame CURVE`)"
+PULL_OUT = "reduce pull-out"
+MEASURE_FRICTION = f"measure friction between yarns (`weavecell {PULL_OUT}`)"
 
 ROWS = (
     Unknown("place along the warp", ways.of_place(0), short=PLACE, unit="spacings", sobol=0, of_cloth=False),
@@ -143,15 +149,15 @@ ROWS = (
     Unknown("roll", ways.ROLL, unit="deg", scale=180 / pi, sobol=2, of_cloth=False),
     Unknown(
         "friction between yarns", ways.FRICTION_OF_YARNS, MEASURE_FRICTION,
-        ("panel.crossover_friction",), sobol=3, known=True,
+        ("panel.crossover_friction",), sobol=3, known=True, test="yarn pull-out", command=PULL_OUT,
     ),
     Unknown(
         "friction on the nose", ways.FRICTION_ON_NOSE, "give projectile.friction",
-        ("projectile.friction",), sobol=4, known=True,
+        ("projectile.friction",), sobol=4, known=True, test="sled of the nose's metal",
     ),
     Unknown(
         "friction between plies", ways.FRICTION_OF_PLIES, "give panel.ply_friction",
-        ("panel.ply_friction",), sobol=5, known=True,
+        ("panel.ply_friction",), sobol=5, known=True, test="sled of fabric on fabric",
     ),
     Unknown(STRENGTH_OF_YARNS, ways.STRENGTHS, TEST_YARNS, short="strength", of_cloth=False),
     # what crimp follows from, before crimp and the trellis law
@@ -170,8 +176,8 @@ ROWS = (
         ("fabric.weaving_damage.strength",), "strength",
     ),
     Unknown("failure length", ways.FAILURE_LENGTH, keys=("failure_length",), unit="mm", scale=1e3),
-    Unknown("compression law", ways.LAW, "fit it to a measured curve", ("fabric.law.a", "fabric.law.b")),
-    Unknown("trellis law", ways.TRELLIS, "reduce a picture-frame test", ("shear.G1", "shear.G2")),
+    Unknown("compression law", ways.LAW, FIT_LAW, ("fabric.law.a", "fabric.law.b")),
+    Unknown("trellis law", ways.TRELLIS, FIT_TRELLIS, ("shear.G1", "shear.G2")),
     Unknown("gap between plies", ways.GAP, "give panel.ply_gap", ("panel.ply_gap",), unit="mm", scale=1e3),
     Unknown("energy given back by plies", ways.RESILIENCE),
     Unknown("area of packed fabric", ways.PACKED_AREA),

@@ -2,10 +2,12 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import weavecell as wc
 from fabrics.base.errors import InputError
+from weavecell.report import installed
 from weavecell.runs import table
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -77,6 +79,22 @@ def test_a_test_of_the_fabric_narrows_its_count_alone():
     weave = wc.fabric("S-720").weave
     assert table["areal_density_kg_m2"][1] == pytest.approx(table["plies"][1] * weave.areal_density)
     assert table["thickness_m"][1] == pytest.approx(table["plies"][1] * weave.thickness)
+
+
+def test_what_is_loaded_has_the_picture_of_the_live_result(tmp_path, monkeypatch):
+    monkeypatch.setattr(installed, "can_draw", lambda: False)
+    live = wc.plies(["S-728", "S-720"], shots=8, **THREAT, out=tmp_path / "r")
+    loaded = wc.load(tmp_path / "r")
+    drawn, again = live.plot(), loaded.plot()
+    assert [one.get_title() for one in drawn.axes] == [one.get_title() for one in again.axes]
+    lines = [line for one in drawn.axes for line in one.lines]
+    for line, same in zip(lines, [line for one in again.axes for line in one.lines], strict=True):
+        np.testing.assert_allclose(line.get_xydata(), same.get_xydata())
+    plies = live.counts["S-720"].plies
+    (row,) = live.shares.query(f"fabric == 'S-720' and plies == {plies}").to_dict("records")
+    assert row["tested"] >= 0.9
+    assert row["tested_low"] < row["tested"] < row["tested_high"]
+    assert row["model_high"] - row["model_low"] < row["tested_high"] - row["tested_low"]
 
 
 def test_all_outcomes_alike_are_not_determined(monkeypatch):

@@ -60,6 +60,7 @@ AT_ONCE = {
     "fabrics": (),
     "backings": (),
     "load": ("none",),
+    "measure_first": ("none",),
     "metals": (),
     "new_fabric": ("none.txt",),
     "new_shot": ("none.txt",),

@@ -1,8 +1,10 @@
 """A number stands nowhere without its doubt: each place that shows a result says what is doubtful of it."""
 
+import ast
 import json
 import re
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 from unittest import mock
 
@@ -14,14 +16,17 @@ from shellfabric.membrane.indicator import Indicator
 from tests.scene_text import toml
 from tests.weavecell.golden_texts import cases
 from tests.weavecell.session_runs import small_calibration
+from weavecell.api.result import Result
 from weavecell.cli import app
 from weavecell.report.shot import beside
+from weavecell.results.finding import LABEL, Answer
 from weavecell.runs import laboratory_tests, table
 from weavecell.scenes import build
 from weavecell.scenes.coupon import CouponScene
 from weavecell.scenes.fabric_table import check_scene
 from weavecell.studies import ballistic_limit, protocol
 
+ROOT = Path(__file__).parents[3]
 BAD = Indicator("energy error", 0.031, 0.01, meaning="what the balance misses")
 SMALL = {"opening": "50 mm", "elements_per_crossover": 1}
 # shots 1 to 3 once more and once more
@@ -111,6 +116,73 @@ def _calibration():
         return wc.calibrate("S-720", mesh="coarse", assumed_range=False)
 
 
+def show_everywhere(result, folder):
+    """{place: {label: words}} of a written result: terminal, JSON, loaded, page, exit code."""
+    rows = dict(result.answer.rows)
+    found = {}
+    if type(result).answer is not Result.answer:
+        found["terminal"] = _read_lines(str(result).splitlines()[1:])
+        found["terminal"].pop("files", None)
+    entries = [
+        content["answer"]
+        for path in folder.glob("*.json")
+        if isinstance((content := json.loads(path.read_text())).get("answer"), dict)
+    ]
+    for entry in entries:
+        found["JSON"] = dict(Answer.read(entry).rows)
+    if entries:
+        loaded = wc.load(folder)
+        found["load"] = dict(loaded.answer.rows)
+        if type(result).answer is not Result.answer:
+            found["loaded terminal"] = _read_lines(str(loaded).splitlines()[1:])
+            found["loaded terminal"].pop("files", None)
+        found["exit code"] = rows if loaded.doubtful == result.doubtful else {}
+    page = folder / "report.html"
+    if page.exists():
+        header = re.sub(r"</?abbr[^>]*>", "", page.read_text("utf-8").partition("<nav>")[0])
+        words = " ".join(unescape(re.sub(r"<[^>]+>", " ", header)).split())
+        # the page says what was asked in its title
+        shown = {name: text for name, text in rows.items() if " ".join(text.split()) in words}
+        found["page"] = {name: shown.get(name, "is not there") for name in rows if name != "next"}
+    return found
+
+
+def find_contradictions(result, shown):
+    """(place, label) where a result is shown other than its Answer says."""
+    wrong = []
+    for place, told in shown.items():
+        rows = dict(result.answer.rows)
+        if place == "page":
+            rows.pop("next", None)
+        wrong += [(place, name) for name in {*told, *rows} if told.get(name) != rows.get(name)]
+    return wrong
+
+
+def _read_lines(lines):
+    """{label: words} of the lines of an answer."""
+    found = {}
+    for line in lines:
+        label, _, words = line.partition("  ")
+        if len(label) > LABEL:
+            label, words = line[:LABEL].strip(), line[LABEL:]
+        found[label.strip()] = words.strip()
+    return found
+
+
+def test_what_a_page_and_a_file_say_is_the_answer_alone():
+    """No other function of the interface makes one."""
+    makers = set()
+    for path in (ROOT / "weavecell/api").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                called = {
+                    ast.unparse(one.func) for one in ast.walk(node) if isinstance(one, ast.Call)
+                }
+                if called & {"self._find_answer", "Answer"}:
+                    makers.add(node.name)
+    assert makers == {"answer", "_find_answer"}
+
+
 def fire(setup, velocity, time, stops_below=0.0):
     """An invented shot, doubtful."""
     residual = max(velocity**2 - 104.0**2, 0.0) ** 0.5
@@ -133,6 +205,14 @@ def test_every_place_that_shows_a_result_says_its_doubt(name, tmp_path, monkeypa
     (doubt, *_) = result.doubts
     assert result.doubtful
     assert "DOUBTFUL" in " ".join(str(result).splitlines()[:2])
+    shown = show_everywhere(result, Path("r"))
+    assert find_contradictions(result, shown) == []
+    # what one place shows otherwise is found
+    for place, rows in shown.items():
+        for label, old, new in (("answer", "DOUBTFUL: ", ""), ("doubts", doubt, doubt[1:])):
+            assert old in rows[label]
+            planted = {**shown, place: {**rows, label: rows[label].replace(old, new, 1)}}
+            assert find_contradictions(result, planted) == [(place, label)]
     assert doubt in str(result)
     notebook = result._repr_html_()
     assert "DOUBTFUL" in notebook.partition("</b>")[0]
@@ -141,8 +221,11 @@ def test_every_place_that_shows_a_result_says_its_doubt(name, tmp_path, monkeypa
     with pytest.warns(wc.DoubtfulResult, match="doubtful"):
         result.warn()
     written = [json.loads(path.read_text()) for path in Path("r").glob("*.json")]
-    told = {content["doubts"] for content in written if "doubts" in content}
-    assert told == {"; ".join(result.doubts)}
+    told = [content["doubts"] for content in written if content.get("doubts")]
+    # a law of yarns has what is doubtful of it in words, as it is read by what uses it
+    assert told
+    for one in told:
+        assert one in ([*result.doubts], "; ".join(result.doubts))
     if name not in ("impact", "coupon"):
         loaded = wc.load("r")
         assert loaded.doubts == result.doubts

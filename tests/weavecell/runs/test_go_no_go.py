@@ -1,5 +1,6 @@
 """Velocities that shares of shots pass: populations whose limits are known, made ones and two of this code."""
 
+import json
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 import weavecell as wc
 from weavecell.runs import difference, go_no_go, table, v50
 from weavecell.runs.go_no_go import LEVELS, Outcomes
+from weavecell.runs.measurement import Measurement
 from weavecell.studies.inputs import Scatter
 
 NAMES = ("place", "friction between yarns", "friction on the nose")
@@ -160,7 +162,7 @@ def test_v50_of_cloths_varies_less_than_limits_of_shots():
     v10, v50, v90 = posterior.velocities.values()
     cloth = posterior.cloths()
     assert v10.low < cloth.low < v50.value < cloth.high < v90.high
-    narrowed = [posterior.cloths((name, 0.2)).half for name in NAMES]
+    narrowed = [posterior.narrow(name, 0.2).cloths().half for name in NAMES]
     # a place is another with each shot
     assert narrowed[0] == cloth.half
     assert max(narrowed[1:]) < cloth.half
@@ -173,18 +175,22 @@ def test_a_friction_that_is_known_narrows_as_foretold():
     middle = 90 * (1 + np.where([False, True, True], known, 0) @ SLOPES)
     part = 90 * (1 + np.where([False, True, True], known * [1, 0.2, 1], 0) @ SLOPES)
     true = np.ptp(np.quantile(part, (0.05, 0.95))) / np.ptp(np.quantile(middle, (0.05, 0.95)))
-    foretold = posterior.cloths((NAMES[1], 0.2)).half / posterior.cloths().half
+    foretold = posterior.narrow(NAMES[1], 0.2).cloths().half / posterior.cloths().half
     assert foretold == pytest.approx(true, abs=0.2)
 
 
 def test_a_study_says_what_narrows_it_most():
     """Of two frictions that of more weight first; a place narrows no cloth."""
     posterior = study(14, 32)
-    found = v50.Study((), posterior, Scatter()).narrowing
+    ranges = {NAMES[1]: (0.1, 0.3), NAMES[2]: (0.05, 0.45)}
+    found = v50.Study((), posterior, Scatter(), ranges).measurements
     widths = {name: posterior.widths[name] for name in NAMES[1:]}
-    assert [*found] == sorted(widths, key=widths.get, reverse=True)
-    for now, then in found.values():
-        assert then < now == posterior.cloths().half
+    assert [one.quantity for one in found] == sorted(widths, key=widths.get, reverse=True)
+    for one in found:
+        assert one.then.half < one.now.half == posterior.cloths().half
+        low, high = ranges[one.quantity]
+        assert one.known == pytest.approx(0.1 * (high - low))
+        assert Measurement.read(json.loads(json.dumps(one.entry()))) == one
 
 
 def test_what_is_drawn_is_ranked():
