@@ -111,8 +111,8 @@ class Keywords(TypedDict, total=False):
     ply_friction : pack: Coulomb coefficient between plies; if not given assumed, by the fibre
         family; a number from 0 to 2, or a range such as "0.15 to 0.25" or "0.2 ± 0.05"
     zone : resolved yarns: half width of the square zone about the nose; if not given all of one ply
-        up to an opening of 120 mm, beyond it 40 mm, or 8 mm divided by `crossover_friction` if this
-        is more; of a pack 20 mm, or 3 mm divided by it [m]; a length above 0, such as "20 mm"
+        up to an opening of 120 mm, beyond it and of a pack 40 mm, or 8 mm divided by
+        `crossover_friction` if this is more [m]; a length above 0, such as "20 mm"
     aim_seed : resolved yarns: seed of a random impact point within a cell of the weave about the
         middle of the opening; by it, too, the plies of a pack whose edges are clamped are shifted
         against each other, by 0 if not given; a whole number from 0 to 2147483647
