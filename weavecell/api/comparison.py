@@ -409,8 +409,8 @@ class ComparisonResult(OfTwoPanels):
 
         needed = self.shots_to_decide
         if needed is None:
-            return f"--shots {MOST_SHOTS} would not decide it either"
-        return f"--shots {needed} decides, if the difference stays"
+            return f"`weavecell compare --shots {MOST_SHOTS}` would not decide it either"
+        return f"`weavecell compare --shots {needed}` decides, if the difference stays"
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""

@@ -74,7 +74,7 @@ def test_a_folder_that_was_made_and_is_empty_goes(tmp_path):
 
 def test_what_is_replaced_is_named(command):
     words = "biaxial", "S-731", "--ratio", "1:1", "--out", "b"
-    assert command(*words)[1].startswith("1:1 ")
+    assert command(*words)[1].startswith("S-731, biaxial response")
     first = command(*words)[1].splitlines()[0]
     assert first.startswith("replaces the results of S-731 of 20")
     assert first.endswith(" UTC in b")
