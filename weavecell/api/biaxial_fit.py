@@ -314,10 +314,20 @@ class BiaxialFitResult(Result):
     @property
     def answer(self) -> Answer:
         """What was found, with what is doubtful of it."""
-        texts = [f"{name} {constant.text()}" for name, constant in self._list_constants()]
-        return self._find_answer(
-            f"{self.fabric.name}, fitted to biaxial tests", join_parts(texts, ", ")
+        texts = [
+            f"{name} {constant.text()} ({constant.interval()}, 95 %)"
+            for name, constant in self._list_constants()
+        ]
+        value = join_parts(texts, ", ")
+        over = ", ".join(
+            f"{one.role} strains {one.ratio} rms {_pair(one.rms, 'N', '.3g')} N"
+            for one in self.tests
         )
+        advice = ("weavecell impact with fabric.law = law.json",)
+        if not self.is_of_shots:
+            advice = (f"surface = {SURFACE!r} in [fabric], in place of the law",)
+        subject = f"{self.fabric.name}, fitted to biaxial tests"
+        return self._find_answer(subject, value, advice=advice, over=over)
 
     def _what(self):
         return self.title

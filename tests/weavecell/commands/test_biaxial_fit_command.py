@@ -39,7 +39,7 @@ def test_from_the_curves_to_a_folder_that_loads_back(succeed, tmp_path):
     assert "2 tests, 1 fitted test, 32 states, 2 constants" in counted
     assert names(tmp_path) == "curves.csv"
     out = succeed("calibrate glass-unbalanced --biaxial curves.csv --fitted even --out r")
-    assert "predicted, strains 0.5 : 1" in out
+    assert "predicted strains 0.5 : 1" in out
     expected = (
         "biaxial-fit.json curves.csv fabric-keys.toml law.json pictures report.html tests.csv"
     )

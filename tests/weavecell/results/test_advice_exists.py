@@ -41,6 +41,7 @@ MADE = {
     ("scatter.py", "settles[name]"),
     ("shots.py", "advice"),
     ("calibration.py", "advice"),
+    ("biaxial_fit.py", "advice"),
     ("comparison.py", "advice"),
     ("pull_outs.py", "advice"),
     ("pull_outs.py", "settle"),
