@@ -69,6 +69,9 @@ class CellNumbers:
     ] = 0.0
 
 
+NO_SLIP = "left out: no law here lets yarns slip"
+
+
 @dataclass(frozen=True, kw_only=True)
 class ZoneKeys:
     """What a table [panel] says of resolved yarns, see `yarns.model.YarnZone`."""
@@ -85,6 +88,7 @@ class ZoneKeys:
             ),
             "yarns",
         ),
+        Unread("export", NO_SLIP),
     ] = None
     aim_seed: Annotated[
         int | None,
@@ -98,6 +102,7 @@ class ZoneKeys:
             ),
             "yarns",
         ),
+        Unread("export", NO_SLIP),
     ] = None
     crossover_friction: Annotated[
         float | None,
@@ -112,6 +117,7 @@ class ZoneKeys:
             ),
             "yarns",
         ),
+        Unread("export", NO_SLIP),
     ] = None
 
 

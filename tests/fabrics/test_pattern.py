@@ -425,6 +425,17 @@ def test_a_law_of_a_weave_with_crossings_of_several_kinds_is_that_of_its_plain_c
     assert solved.fabric.laws[0].fitted_data == data_digest(wc.fabric(own("satin 5")))
 
 
+@pytest.mark.parametrize(
+    ("weave", "solved"),
+    [("plain", False), ("twill 2/2", True), ("basket 2x2", True), ("satin 5", False)],
+)
+def test_a_calibration_counts_the_paths_of_the_crossings_of_a_weave(weave, solved, own):
+    """Of weaves whose crossings are all alike; the plain crossing is solved of all."""
+    plan = wc.calibrate.plan(own(weave), mesh=(2, 2, 2), assumed_range=False)
+    assert plan.has_own_crossings == solved
+    assert ("cell path" in str(plan.forecast())) == solved
+
+
 @pytest.mark.slow(60)
 def test_a_law_of_a_twill_is_that_of_its_own_crossings(own, monkeypatch):
     from unitcell3d.identify import own_crossings

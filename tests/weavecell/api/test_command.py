@@ -13,7 +13,7 @@ from weavecell.cli import app
 from weavecell.results import out_folder
 
 # they have a result, and compute nothing that takes long
-WITHOUT_PLAN = {"reduce compression", "reduce shot", "export"}
+WITHOUT_PLAN = {"reduce compression", "reduce shot", "export", "next"}
 TARGETS = {
     "ply": {},
     "pack": {"plies": 2},

@@ -40,7 +40,7 @@ TOGETHER = tomllib.loads("""
 "block without a material" = { backing = { standoff = "2 mm" } }
 "block of two lengths" = { backing = { material = "clay", size = ["60 mm", "60 mm"] } }
 "gap of yarns that are resolved" = { fabric = { crossover_gap = "0.01 mm" }, panel = { crossovers = "yarns" } }
-"zone of pinned yarns" = { panel = { zone = "10 mm" } }
+"zone of pinned yarns" = { panel = { crossovers = "pinned", zone = "10 mm" } }
 "zone smaller than the nose" = { panel = { crossovers = "yarns", zone = "0.1 mm" } }
 "history of a third ply" = { history = { interval = "1 us", plies = [3] }, panel = { plies = 2 } }
 "history beyond the edge" = { history = { interval = "1 us", warp = ["500 mm"] } }

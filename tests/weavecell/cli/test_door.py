@@ -137,7 +137,7 @@ TABLES = "must be a list of dicts with the keys of"
         ),
         (
             lambda: wc.sweep("S-720", over={"panel.plies": np.arange(2)} | RUNS, check=True),
-            "^panel.plies = 0: must be a whole number",
+            "^over, panel.plies = 0: must be a whole number",
         ),
         (
             lambda: wc.coupon("S-720", "picture_frame", shear="20 deg"),

@@ -996,35 +996,24 @@ def draw_passing(pyplot):
 @case(pictures_uncertainty.plies)
 def plies_that_stop(pyplot):
     """Of two plies that stop by the model alone and three with what tests say: 9 in 10 is asked for."""
-
-    def passing(more):
-        shares = lambda growth: np.array([[0.0], [0.1]]) + 0.8 * more / growth  # noqa: E731
-        return Given(of=lambda growth: Given(passed=lambda _: shares(growth)))
-
-    count = lambda *ends: Given(  # noqa: E731
-        plies=ends[0], low=ends[1], high=ends[2], words=lambda: "{} ({} to {})".format(*ends)
-    )
-    one = Given(
-        posterior=passing(0.2),
-        tested=passing(0.7),
-        by_model=count(2, 1, 3),
-        by_tests=count(3, 2, 5),
-        reference=2,
-        velocity=250.0,
-        sure=0.9,
-    )
-    (axis,) = pictures_uncertainty.plies(pyplot, {"S-728": one}).axes
-    told, alone = axis.lines[:2]
-    assert [told.get_label(), alone.get_label()] == [
-        "with what tests say of the model",
-        "by the model alone",
-    ]
-    for line, more in ((told, 0.7), (alone, 0.2)):
-        plies, stops = line.get_xydata().T
-        assert list(plies) == [1, 2, 3, 4, 5, 6]
-        assert_allclose(stops, 0.95 - 0.8 * more / (plies / 2))
-    assert [line.get_xdata()[0] for line in axis.lines[3:]] == [3, 2]
-    assert axis.get_title("left") == "S-728: plies 3 (2 to 5), by the model 2 (1 to 3)"
+    stops = {"tested": [0.3, 0.6, 0.9, 0.95], "model": [0.5, 0.92, 0.97, 0.99]}
+    shares = pd.DataFrame({"fabric": "S-728", "plies": [1, 2, 3, 4]} | stops)
+    for name in stops:
+        shares = shares.assign(
+            **{f"{name}_low": shares[name] - 0.05, f"{name}_high": shares[name] + 0.01}
+        )
+    ends = {"plies": 3, "plies_low": 2, "plies_high": 5}
+    alone = {"plies_by_model": 2, "plies_by_model_low": 1, "plies_by_model_high": 4}
+    counts = pd.DataFrame([{"fabric": "S-728"} | ends | alone])
+    (axis,) = pictures_uncertainty.plies(pyplot, shares, counts, 0.9).axes
+    drawn = {line.get_label(): line.get_xydata() for line in axis.lines}
+    for label, name in {
+        "with what tests say of the model": "tested",
+        "by the model alone": "model",
+    }.items():
+        assert drawn[label].tolist() == [[n + 1, share] for n, share in enumerate(stops[name])]
+    assert [line.get_xdata()[0] for line in axis.lines if line.get_ls() == "--"] == [3, 2]
+    assert axis.get_title("left") == "S-728: plies 3 (2 to 5), by the model 2 (1 to 4)"
     return None
 
 
