@@ -51,13 +51,14 @@ MASKED = [
     (re.compile(r"\d[\d.]*(e-?\d+)? s(econds)?(?= |$|,|;|\))(?! of CPU)"), "? s"),
     (re.compile(r"\b20\d\d-\d\d-\d\d([T ]\d\d:\d\d(:\d\d)?)?\S*"), "DATE"),
     (re.compile(r"\b[0-9a-f]{7,64}\b(?<![0-9]{7})"), "DIGEST"),
-    (re.compile(r"(?<=weavecell )\d+\.\d+\.\d+[\w+.]*"), "VERSION"),
+    (re.compile(r"(?<=weavecell )\d+\.\d+\.\d+\S*"), "VERSION"),
     (re.compile(r'(Version |version = \{|"weavecell": ")[\d.]+\w*'), r"\1VERSION"),
     # what is nothing but the rounding of the processor
     (re.compile(r"-?\b\d(\.\d+)?e-(1[4-9]|[2-9]\d)\b"), "0.0"),
 ]
 PROGRESS = re.compile(r"\d %, \d\d:\d\d|compiling the kernels of")
-FLOAT = re.compile(r"-?\d+\.\d+(?:e[+-]?\d+)?")
+# a version has two points
+FLOAT = re.compile(r"(?<![\d.])-?\d+\.\d+(?:e[+-]?\d+)?(?!\d|\.\d)")
 FITTED = 1e-5  # [m/s]
 
 
