@@ -49,7 +49,8 @@ class PlyContact:
     resilience : [-] e, share of the energy of a closure that comes back as plies part
         (`pressure_kernels`); 1: all of it
     stiffness : [-] steepest slope of the law, over that of solid fibre: what is steeper sets the
-        time step, and nothing that a shot is asked for (docs/pack.md)
+        time step, and nothing that a shot is asked for. 1 moves the tension under the nose by 1.6 %,
+        V50 of two packs (24 draws) by .5 and 0 %; .25 moves that tension by 2.6 %
 
     Raises
     ------

@@ -29,7 +29,8 @@ from weavecell.studies import choice
 
 ROOT = Path(__file__).parents[2]
 # (i + j) of numbers of elements, not of yarns
-NO_PARITY_OF_YARNS = {"shellfabric/coupon/quasistatic.py"}
+# of nodes, and of cells that repeat upside down
+NO_PARITY_OF_YARNS = {"shellfabric/coupon/quasistatic.py", "unitcell3d/assembly/symmetries.py"}
 # Kevlar 29 style 735
 SHEET = """
 thickness = "0.60 mm"

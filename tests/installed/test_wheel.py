@@ -109,6 +109,7 @@ GROUPS = {
         "compare S-720 S-728 --shots 4 --opening 30.6mm --jobs 1 --seed 2 --out compare",
         "plies S-720 --stop 'FSP 1.10 g' --at 150m/s --opening 30.6mm --shots 4 --jobs 1 --out plies",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",
+        "next v50",
         "sweep ply.toml --over projectile.strike_velocity=80m/s,90m/s --jobs 1 --out sweep",
         "export ply.toml --to lsdyna --out export",
         "reduce compression one.csv --platen-area 361mm^2 --cell-of S-728 --out compression",

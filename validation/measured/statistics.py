@@ -1,18 +1,12 @@
-"""Bias and scatter of a quantity, and the validation uncertainty of a row.
-
-Of n rows of a quantity with measured E_i and computed M_i, ln(M / E) is taken as normal (FDS Validation Guide, chapter
-on errors):
+"""Bias and scatter of a quantity, and the validation uncertainty of a row. Of n rows with measured E_i and computed
+M_i, ln(M / E) is taken as normal (FDS Validation Guide, chapter on errors):
 
     s^2 = 1 / (n - 1) sum (ln(M_i / E_i) - mean)^2,    sigma_M^2 = s^2 - sigma_E^2,
     bias = exp(mean + sigma_M^2 / 2 - sigma_E^2 / 2)
 
 with relative sigmas of tests and model. sigma_E counts as s / 2^(1/2) at most: scatter cannot show that a model is more
-accurate than the tests. One row has a bias, M / E, and no sigma. A row has by ASME V&V 20
-
-    E = S - D,    u_val^2 = u_num^2 + u_input^2 + u_D^2
-
-A row is within where its interval of 90 %, E +- 1.645 u_val, holds 0, or its outcome is that of the test. Else a
-difference is shown. No page and no summary has another threshold or another word.
+accurate than the tests. One row has a bias, M / E, and no sigma. By ASME V&V 20 a row has E = S - D and u_val^2 = u_num^2
++ u_input^2 + u_D^2, and is within where E +- 1.645 u_val (90 %) holds 0, or its outcome is that of the test.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ PARTS = {
     "whole": {"symmetry": "whole"},
     # forces of the rows above a block of rows stand by themselves
     "small blocks": {"numerics": Numerics(threads=1, block=60)},
-    "pack": {"plies": 2, "opening": 0.03, "end_time": 79.9e-6},
+    "pack": {"plies": 2, "opening": 0.03, "end_time": 80.0e-6},
     "oblique": {"symmetry": "whole", "weave_angle": 0.4},
 }
 
