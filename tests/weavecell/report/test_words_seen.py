@@ -6,6 +6,8 @@ from html.parser import HTMLParser
 import pytest
 
 from tests.weavecell.session_runs import RUNS
+from weavecell.report.page import Report, Section, Table, render
+from weavecell.results.finding import Answer
 
 PAGES = [name for name, run in RUNS.items() if "report.html" in run["folder"].split()]
 MOST_WORDS = 800
@@ -76,3 +78,15 @@ def test_a_page_shows_few_words(results, name):
         if len(re.findall(r"[^\W\d_]{2,}", sentence)) > LONGEST
     ]
     assert long == []
+
+
+@pytest.mark.parametrize(
+    ("texts", "numbers", "shown"),
+    [(1, 2, "values"), (2, 4, "tight"), (4, 0, "stacked"), (1, 7, "stacked"), (1, 12, "stacked")],
+)
+def test_a_table_of_many_columns_is_a_list_on_a_phone(texts, numbers, shown):
+    """Twelve columns of plies stood 180 px beyond a page of 390."""
+    names = [f"c{n}" for n in range(texts + numbers)]
+    table = Table(tuple(names), (tuple(names),), numeric=tuple(names[texts:]))
+    page = render(Report(Answer("A", "B"), "C", (Section("one", "One", tables=(table,)),)))
+    assert f'<table class="{shown}">' in page
