@@ -21,7 +21,7 @@ from PIL import Image
 
 TUTORIALS = Path(__file__).parents[1] / "docs" / "tutorials"
 WIDTH = 480  # [pixels] of a picture
-COLOURS = 16
+COLOURS = 12
 PICTURE = re.compile(r"(?<=data:image/png;base64,)[\w+/=]+")
 
 
