@@ -95,7 +95,7 @@ class Measurement:
         """What to do, and what the interval of the answer is now and then."""
         way = f"measure {self.quantity} to {self.known_words}"
         if self.unit == "plies":
-            return f"{way} ({self.reader}): {self.answer} {self.words(self.then)}"
+            return f"{way} ({self.reader}): then {self.words(self.then)}"
         scale, unit = (1.0, self.unit) if self.unit else (100.0, "%")
         now, then = (scale * span.half for span in (self.now, self.then))
         return f"{way} ({self.reader}): {self.answer} ± {now:.2g} to ± {then:.2g} {unit}"

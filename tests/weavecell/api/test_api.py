@@ -481,7 +481,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     (above,) = found.plot().texts
     assert above.get_text().startswith("DOUBTFUL: ")
     none = {"weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0}
-    curve = wc.v50("S-720", shots=8, batch=4, out=tmp_path, **none, **panel)
+    curve = wc.v50("S-720", shots=12, batch=4, out=tmp_path, **none, **panel)
     assert curve.v50 == pytest.approx(found.critical_velocity, abs=20.0)
     assert curve.plot().axes[0].get_ylabel() == "share that passes [-]"
 

@@ -17,7 +17,7 @@ NUMBERS = {
     "areal_density": (r"4 x S-728, 925 g/m2: limit", 260),
     "clay_backing": (r"its dent has been", 3.1),
     "export_deck": (r"LAW58 {'rms': '", 3.4),
-    "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 184),
+    "hybrid_pack": (r"S-720 in front: perforated, residual velocity", 191),
     "oblique_fragment": (r"30 degrees: perforated,", 138),
     "own_study": (r"of 8 shots pass: sphere", 8),
     "punch_test": (r"failure length 0.75 mm: limit", 45.4),

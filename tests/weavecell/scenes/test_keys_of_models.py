@@ -332,7 +332,7 @@ def test_a_key_is_refused_or_changes_the_coupon(test, key, answer, monkeypatch):
         assert re.search(WORDS["coupon"], str(found)), found
 
 
-@pytest.mark.parametrize("key", [{"zone": "8 mm"}, {"crossover_friction": 0.1}, {"aim_seed": 4}])
+@pytest.mark.parametrize("key", [{"zone": "8 mm"}, {"crossover_friction": 0.1, "aim_seed": 4}])
 @pytest.mark.parametrize("plies", [1, 2, 5])
 def test_a_key_of_the_zone_asks_for_resolved_yarns(key, plies):
     """Whatever the number of plies resolves by itself; beside pinned crossovers it is refused."""
