@@ -6,7 +6,8 @@ M_i, ln(M / E) is taken as normal (FDS Validation Guide, chapter on errors):
 
 with relative sigmas of tests and model. sigma_E counts as s / 2^(1/2) at most: scatter cannot show that a model is more
 accurate than the tests. One row has a bias, M / E, and no sigma. By ASME V&V 20 a row has E = S - D and
-u_val^2 = u_num^2 + u_input^2 + u_D^2, and is within where E +- 1.645 u_val (90 %) holds 0, or its outcome is that of the test.
+u_val^2 = u_num^2 + u_input^2 + u_D^2, and is within where E +- 1.645 u_val (90 %) holds 0,
+or its outcome is that of the test.
 """
 
 from __future__ import annotations
