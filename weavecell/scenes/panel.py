@@ -388,11 +388,12 @@ class PanelTable(Table, PanelNumbers, ZoneKeys, PackKeys):  # type: ignore[misc]
     @model_validator(mode="after")
     def _resolve_yarns_of_a_zone(self):
         """The panel with resolved yarns where it tells of their zone and not of the crossovers."""
-        # a seed alone may stand beside a projectile or a block that resolved yarns do not take
-        told = {name for name, _ in list_unread(ZoneKeys, self, "pinned")} - {"aim_seed"}
-        if "crossovers" in self.model_fields_set or not told:
-            return self
-        return self.model_copy(update={"crossovers": "yarns"})
+        if "crossovers" not in self.model_fields_set:
+            for name, _ in list_unread(ZoneKeys, self, "pinned"):
+                # a seed alone may stand beside a projectile or a block that resolved yarns do not take
+                if name != "aim_seed":
+                    return self.model_copy(update={"crossovers": "yarns"})
+        return self
 
     @model_validator(mode="after")
     def _check_ply_count(self):
