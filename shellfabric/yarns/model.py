@@ -66,7 +66,7 @@ class YarnZone:
     lateral : factor on the lateral stiffness of a yarn (assumed.toml has its range)
     edge : [-] of the width of a yarn, how far beside its middle line it meets the nose (also there)
     seed : of the aim, by which plies of a pack are shifted against each other (`lie_anywhere`)
-    default : [m] half width of a zone that is not given (`YarnZone.sized`); None takes that of a pack
+    default : [m] half width of a zone that is not given (`YarnZone.sized`); None takes LEAST or more
 
     Raises
     ------

@@ -168,3 +168,14 @@ def test_the_nose_presses_on_half_a_ply(ply, cfl):
             points = const.points_per_side**2 / (const.dx * const.dy)
             assert law.implicit == (const is not single)
             assert law.stiffness * points == pytest.approx(2 * pack.laws[0].stiffness)
+
+
+@pytest.mark.parametrize("stiffness", [0.2, 0.5, 3.0])
+def test_nodes_ahead_of_the_nose_are_called_back_as_those_ahead_of_a_ply(ply, stiffness):
+    """By the damper of the plies' spring as it is followed; that of solid fibre would need a shorter step."""
+    contact = PlyContact(stiffness=stiffness)
+    pack = Pack.stacked(ply, 2, gap=GAP, contact=contact)
+    for const in pack.constants():
+        law = const.point_law
+        spring = pack.contact_laws[0].stiffness * const.dx * const.dy / const.points_per_side**2
+        assert law.share_drag == pytest.approx(contact.share_ratio * (spring * law.mass) ** 0.5)
