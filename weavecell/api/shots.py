@@ -585,12 +585,15 @@ class ShotResult(ImpactRecord, Result):
     @property
     def answer(self) -> Answer:
         """What drawn shots of its velocity came to, or the one run; what moves it, and what it leaves out."""
+        from weavecell.report import chapters_discretisation
         from weavecell.report.shot import chapters_shot
         from weavecell.studies import unknown
 
         if self.said is not None:
             return self.said
         value, outcome = chapters_shot.outcome(self), self.outcome
+        if self.pair is not None:
+            value = f"{value}; {chapters_discretisation.in_answer(self.pair)}"
         over = self._run_words
         moved: tuple[Mover, ...] = ()
         advice: tuple[str, ...] = ()
@@ -631,7 +634,10 @@ class ShotResult(ImpactRecord, Result):
     def summary(self) -> dict[str, Any]:
         """Return the entries of summary.json (docs/reference.md), the checks in words, the areal
         density of the first ply, and what is assumed."""
+        from weavecell.report import chapters_discretisation
+
         known = self.facts() | {"checks": self.checks_text}
+        known |= chapters_discretisation.summary(self.pair)
         known = {"answer": self.answer.value} | known
         if self.fabric is not None:
             known["areal_density_kg_m2"] = float(self.fabric.weave.areal_density)

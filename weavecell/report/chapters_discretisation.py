@@ -67,6 +67,19 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
     return entries
 
 
+def in_answer(pair: Discretisation) -> str:
+    """Write what two meshes say of the one number that an answer has: the velocity that is left, or the
+    deflection of what stopped."""
+    if not pair.same_outcome:
+        return _outcomes(pair)[0]
+    wanted = "residual velocity" if pair.outcomes[-1] == "perforated" else "peak deflection"
+    mean = "mean " if pair.windows[0] is not None else ""
+    for result, _ in _list_results(pair):
+        if result.name == wanted:
+            return f"mesh error: {mean}{result.name} {result.text()}"
+    return "mesh error: no mean, as outcomes are mixed"
+
+
 def words(pair: Discretisation) -> str:
     """Write means over the window and uncertainties, one line a result, and whether the target is
     met."""

@@ -88,6 +88,14 @@ def perforated(tmp_path_factory):
     return shot, json.loads((folder / "r/summary.json").read_text()), folder / "r", scene
 
 
+def test_the_answer_has_the_velocity_left_with_its_uncertainty(perforated):
+    shot, summary, _, _ = perforated
+    result = summary["discretisation"]["results"]["residual velocity"]
+    said = f"mesh error: mean residual velocity {result['value']:.1f} +- {result['uncertainty']:.2g} m/s"
+    assert said in shot.answer.value
+    assert shot.summary()["discretisation"] == summary["discretisation"]
+
+
 RESULTS = [("residual_velocity_m_s", "residual velocity"), ("absorbed_energy_J", "absorbed energy")]
 
 
