@@ -306,6 +306,16 @@ def where(typing, mask, a, b):
 
 
 @intrinsic
+def lane_numbers(typing):
+    """Return 0, 1, ..., 7."""
+
+    def codegen(context, builder, signature, arguments):
+        return ir.Constant(_FLOAT64X8, [float(lane) for lane in range(WIDTH)])
+
+    return FLOAT64X8(), codegen
+
+
+@intrinsic
 def broadcast(typing, a):
     """Broadcast a float to all lanes."""
 
@@ -478,6 +488,23 @@ def gather(typing, array, cell):
         return found
 
     return FLOAT64X8(array, cell), codegen
+
+
+@intrinsic
+def add_at(typing, array, cell, value):
+    """Add eight numbers to array[cell] of a flat array, lane after lane: cells may be alike."""
+
+    def codegen(context, builder, signature, arguments):
+        array, cell, value = arguments
+        data = context.make_array(signature.args[0])(context, builder, array).data
+        for lane in range(WIDTH):
+            number = ir.Constant(ir.IntType(32), lane)
+            place = builder.gep(data, [builder.zext(builder.extract_element(cell, number), _INT)])
+            total = builder.fadd(builder.load(place), builder.extract_element(value, number))
+            builder.store(total, place)
+        return context.get_dummy_value()
+
+    return types.void(array, cell, value), codegen
 
 
 @intrinsic
