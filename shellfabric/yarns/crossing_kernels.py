@@ -22,6 +22,7 @@ from shellfabric.jit.simd import (
     fabs,
     floor,
     gather_rows4,
+    gather_runs,
     greater,
     lane_numbers,
     load,
@@ -35,7 +36,6 @@ from shellfabric.jit.simd import (
     to_int32,
     where,
 )
-from shellfabric.jit.simd import gather as gather_lanes
 from shellfabric.surface.surface_kernels import quadratic_weights
 from shellfabric.surface.vector_kernels import cross, dot, scaled, subtract
 from shellfabric.yarns.curve_kernels import gather, scatter, spline, weighted
@@ -227,15 +227,15 @@ def crossing_forces8(zone, i, j, which):
     nodes_b = columns8(zone.x, at_b)
     apart = subtract(weighted(weights_a, nodes_a), weighted(weights_b, nodes_b))
     tangents = weighted(slopes_a, nodes_a), weighted(slopes_b, nodes_b)
-    rest_a = gather_lanes(zone.rest_length, at_a[1])
-    rest_b = gather_lanes(zone.rest_length, at_b[1])
+    _, rest_a, _, _ = gather_runs(zone.rest_length, at_a)
+    _, rest_b, _, _ = gather_runs(zone.rest_length, at_b)
     products, usual = tangent_products(tangents, (rest_a * rest_a, rest_b * rest_b))
     step_a, step_b = step_to_perpendicular(apart, tangents, products)
     usual = both(usual, greater(CLOSE, maximum(fabs(step_a), fabs(step_b))))
     s_a = moved(s_a, step_a, zone.nodes[0])
     s_b = moved(s_b, step_b, zone.nodes[1])
-    usual = both(usual, both(greater(s_a, 0.5), greater(zone.nodes[0] - 1.5, s_a)))
-    usual = both(usual, both(greater(s_b, 0.5), greater(zone.nodes[1] - 1.5, s_b)))
+    usual = both(usual, both(greater(s_a, 0.5), greater(zone.nodes[0] - 2.5, s_a)))
+    usual = both(usual, both(greater(s_b, 0.5), greater(zone.nodes[1] - 2.5, s_b)))
     normal = cross(*tangents)
     normal = scaled(load(zone.sign[i], j) / sqrt(dot(normal, normal)), normal)
     distance = dot(apart, normal)
@@ -267,8 +267,8 @@ def crossing_forces8(zone, i, j, which):
         store_found(zone.slider[c, i], j, found, slider[c])
         acting = where(found, force[c], 0.0)
         for n in range(3):
-            add_at(zone.f[c], at_a[n], weights_a[n] * acting)
-            add_at(zone.f[c], at_b[n], 0.0 - weights_b[n] * acting)
+            add_at(zone.f[c, n:], at_a, weights_a[n] * acting)
+            add_at(zone.f[c, n:], at_b, 0.0 - weights_b[n] * acting)
     share = where(found, load(zone.crossing_share[i], j), 0.0)
     zone.damped += reduce_add(share * where(found, damped, 0.0))
     zone.friction_work += reduce_add(share * where(found, taken, 0.0))
@@ -277,24 +277,21 @@ def crossing_forces8(zone, i, j, which):
 
 @kernel(_nrt=False, forceinline=True)
 def spline8(s, first, count):
-    """Compute `curve_kernels.spline` at eight indices: the numbers of the three nodes, of chains of
-    `count` nodes that begin at `first`, their weights, and the slopes of these."""
-    k = minimum(maximum(floor(s + 0.5), 1.0), count - 2.0)
+    """Compute `curve_kernels.spline` at eight indices, but for the last node: the number of the first
+    of three nodes, of chains of `count` nodes that begin at `first`, their weights, and the slopes
+    of these."""
+    k = minimum(maximum(floor(s + 0.5), 1.0), count - 3.0)
     u = s - k
-    n = first + k
-    at = to_int32(n - 1.0), to_int32(n), to_int32(n + 1.0)
-    return at, quadratic_weights(u), (u - 0.5, -2.0 * u, u + 0.5)
+    return to_int32(first + k - 1.0), quadratic_weights(u), (u - 0.5, -2.0 * u, u + 0.5)
 
 
 @kernel(_nrt=False, forceinline=True)
 def columns8(x, at):
-    """Gather eight times three columns of x (3, nodes)."""
-    one, two, three = at
-    return (
-        (gather_lanes(x[0], one), gather_lanes(x[1], one), gather_lanes(x[2], one)),
-        (gather_lanes(x[0], two), gather_lanes(x[1], two), gather_lanes(x[2], two)),
-        (gather_lanes(x[0], three), gather_lanes(x[1], three), gather_lanes(x[2], three)),
-    )
+    """Gather eight times three columns of x (3, nodes), from column `at` on."""
+    X = gather_runs(x[0], at)
+    Y = gather_runs(x[1], at)
+    Z = gather_runs(x[2], at)
+    return (X[0], Y[0], Z[0]), (X[1], Y[1], Z[1]), (X[2], Y[2], Z[2])
 
 
 @kernel(_nrt=False, forceinline=True)
