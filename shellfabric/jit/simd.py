@@ -408,8 +408,8 @@ def _item_or_scalar(values, k):
 
 
 @intrinsic
-def _lane(typing, value, number):
-    """One lane of eight."""
+def lane_of(typing, value, number):
+    """Return one lane of eight."""
 
     def codegen(context, builder, signature, arguments):
         return builder.extract_element(arguments[0], builder.trunc(arguments[1], ir.IntType(32)))
@@ -425,7 +425,7 @@ def masked_store(array, k, value, count):
         store(array, k, value)
     else:
         for number in range(count):
-            array[k + number] = _lane(value, number)
+            array[k + number] = lane_of(value, number)
 
 
 @intrinsic
