@@ -31,10 +31,12 @@ from shellfabric.panel_numbers import PanelNumbers
 # numbers of the two families of yarns
 WARP = 0
 WEFT = 1
-# of state.block_damage: a block without failures, with some, with some of this step
+# of state.block_damage: a block without failures, with some, with some of this step; one of a ply
+# whose membrane is gone, all its yarns are resolved
 INTACT = 0
 DAMAGED = 1
 REDO = 2
+GONE = 3
 # of state.element_flag; DRAWN_OUT: torn, and twice its size; RESOLVED: its yarns are resolved
 WARP_FAILED = 1
 WEFT_FAILED = 2
@@ -377,8 +379,8 @@ class State(Row, kept=True):
     block_damage = array(
         "blocks uint8",
         "-",
-        "INTACT, DAMAGED (yarns have failed), or REDO (failed in this step: forces "
-        "are to be computed again)",
+        "INTACT, DAMAGED (yarns have failed), REDO (failed in this step: forces "
+        "are to be computed again), or GONE (all yarns are resolved: no forces)",
     )
     tension_stale = array(
         "blocks boolean", "-", "whether T of a block is out of date, since nothing has needed it"

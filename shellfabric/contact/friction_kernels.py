@@ -13,6 +13,7 @@ the damping are those of `contact.friction.stick`, which the time step has room 
 import math
 
 from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import greater, sqrt, where
 from shellfabric.surface.vector_kernels import across, add_scaled, dot, scaled, three
 
 
@@ -66,15 +67,21 @@ def slide(slider, limit, k, dt, normal, v):
     normal : unit vector of the surface
     v : [m/s] velocity of one body over the other
     """
+    after, held, work = slipped(three(slider, 0), limit, k, dt, normal, v)
+    for axis in range(3):
+        slider[axis] = after[axis]
+    return held, work
+
+
+@kernel(_nrt=False, forceinline=True)
+def slipped(before, limit, k, dt, normal, v):
+    """Return the slip of a friction spring after a step, the energy [J] that it holds and the work
+    [J] of friction: as `slide`, of one point or of eight; before : elastic slip [m]."""
     v = across(v, normal)
-    before = three(slider, 0)
     after = across(add_scaled(before, dt, v), normal)
     most = limit / k
     square = dot(after, after)
-    if square > most * most:
-        after = scaled(most / math.sqrt(square), after)
+    after = scaled(where(greater(square, most * most), most / sqrt(square), 1.0), after)
     held = 0.5 * k * dot(after, after)
-    work = 0.5 * k * dt * dot(add_scaled(before, 1.0, after), v)
-    for axis in range(3):
-        slider[axis] = after[axis]
-    return held, work - held + 0.5 * k * dot(before, before)
+    work = (0.5 * k * dt) * dot(add_scaled(before, 1.0, after), v)
+    return after, held, work - held + 0.5 * k * dot(before, before)

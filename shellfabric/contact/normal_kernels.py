@@ -34,8 +34,9 @@ def damped(force, damping, closing):
 
 @kernel(_nrt=False, forceinline=True)
 def damping_force(force, damping, opening):
-    """Return the damping force [N] alone, from that of the spring: both together never pull."""
-    return max(-damping * opening, -force)
+    """Return the damping force [N] alone of one point or of eight, from that of the spring: both
+    together never pull."""
+    return maximum(0.0 - damping * opening, 0.0 - force)
 
 
 @kernel(forceinline=True)

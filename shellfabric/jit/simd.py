@@ -306,6 +306,16 @@ def where(typing, mask, a, b):
 
 
 @intrinsic
+def lane_numbers(typing):
+    """Return 0, 1, ..., 7."""
+
+    def codegen(context, builder, signature, arguments):
+        return ir.Constant(_FLOAT64X8, [float(lane) for lane in range(WIDTH)])
+
+    return FLOAT64X8(), codegen
+
+
+@intrinsic
 def broadcast(typing, a):
     """Broadcast a float to all lanes."""
 
@@ -398,8 +408,8 @@ def _item_or_scalar(values, k):
 
 
 @intrinsic
-def _lane(typing, value, number):
-    """One lane of eight."""
+def lane_of(typing, value, number):
+    """Return one lane of eight."""
 
     def codegen(context, builder, signature, arguments):
         return builder.extract_element(arguments[0], builder.trunc(arguments[1], ir.IntType(32)))
@@ -415,7 +425,7 @@ def masked_store(array, k, value, count):
         store(array, k, value)
     else:
         for number in range(count):
-            array[k + number] = _lane(value, number)
+            array[k + number] = lane_of(value, number)
 
 
 @intrinsic
@@ -457,7 +467,7 @@ def gather8_indexed(typing, table, array, k):
             builder.load(builder.gep(data, [builder.add(k, ir.Constant(_INT, lane))]))
             for lane in range(WIDTH)
         ]
-        found = _numbered_rows(context, builder, signature.args[0], table, numbers, 8)
+        found = _numbered_rows(context, builder, signature.args[0], table, numbers, 8, 8)
         return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 8))
 
     return types.UniTuple(FLOAT64X8, 8)(table, array, k), codegen
@@ -478,6 +488,41 @@ def gather(typing, array, cell):
         return found
 
     return FLOAT64X8(array, cell), codegen
+
+
+@intrinsic
+def gather_runs(typing, array, cell):
+    """Gather array[cell : cell + 4] of eight places in a flat array, transposed: four vectors."""
+
+    def codegen(context, builder, signature, arguments):
+        array, cell = arguments
+        numbers = _lanes(builder, cell)
+        found = _numbered_rows(context, builder, signature.args[0], array, numbers, 4, 1)
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, found, 4))
+
+    return types.UniTuple(FLOAT64X8, 4)(array, cell), codegen
+
+
+@intrinsic
+def add_at(typing, array, cell, value):
+    """Add eight numbers to array[cell] of a flat array, lane after lane: cells may be alike."""
+
+    def codegen(context, builder, signature, arguments):
+        array, cell, value = arguments
+        data = context.make_array(signature.args[0])(context, builder, array).data
+        for number, own in zip(_lanes(builder, cell), _lanes(builder, value)):
+            place = builder.gep(data, [builder.zext(number, _INT)])
+            builder.store(builder.fadd(builder.load(place), own), place)
+        return context.get_dummy_value()
+
+    return types.void(array, cell, value), codegen
+
+
+def _lanes(builder, vector):
+    """The eight lanes of a vector."""
+    return [
+        builder.extract_element(vector, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)
+    ]
 
 
 @intrinsic
@@ -505,20 +550,17 @@ def gather_rows4(typing, table, cell):
 def _table_rows(context, builder, kind, arguments, count):
     """The rows of a table of `count` columns, each as a vector."""
     table, cell = arguments
-    numbers = [
-        builder.extract_element(cell, ir.Constant(ir.IntType(32), lane)) for lane in range(WIDTH)
-    ]
-    return _numbered_rows(context, builder, kind, table, numbers, count)
+    return _numbered_rows(context, builder, kind, table, _lanes(builder, cell), count, count)
 
 
-def _numbered_rows(context, builder, kind, table, numbers, count):
-    """The rows of given numbers."""
+def _numbered_rows(context, builder, kind, table, numbers, count, stride):
+    """The rows of given numbers, of `count` columns, each `stride` behind the one before."""
     array = context.make_array(kind)(context, builder, table)
     part = ir.VectorType(_DOUBLE, count)
     found = []
     for number in numbers:
         row = builder.zext(number, _INT)
-        place = builder.gep(array.data, [builder.mul(row, ir.Constant(_INT, count))])
+        place = builder.gep(array.data, [builder.mul(row, ir.Constant(_INT, stride))])
         pointer = builder.bitcast(place, ir.PointerType(part))
         found.append(builder.load(pointer, align=8))
     return found

@@ -134,6 +134,7 @@ class PackSolver(ExplicitSolver):
             self.states = on_grids(self.states, self.contact)
         self._graded = self.consts[0]._numba_type_ != Constants.types[UNIFORM]
         self.parts = self._join_parts()
+        self._loaded: dict[int, Any] = {}
         self.plies = tuple(zip(pack.plies, self.consts, self.states))
         self.panel, self.const, self.state = self.plies[0]
         contacts = dict(CONTACTS)
@@ -329,7 +330,11 @@ class PackSolver(ExplicitSolver):
         neighbours = self.neighbour_forces(ply)
         if not neighbours:
             return state
-        return state._replace(f_contact=np.array(state.f_contact) + sum(neighbours))
+        if ply not in self._loaded:
+            self._loaded[ply] = state._replace(f_contact=np.array(state.f_contact))
+        for loaded, nose, *others in zip(self._loaded[ply].f_contact, state.f_contact, *neighbours):
+            loaded[:] = nose + sum(others)
+        return self._loaded[ply]
 
     def _contact_energies(self):
         """{name: [J]} taken in by the contact between plies, of which it holds or damps the first

@@ -18,13 +18,16 @@ from shellfabric.membrane import (
     trellis_kernels,
 )
 from shellfabric.membrane.membrane_kernels import copy_slots, scratch_slot
-from shellfabric.state import INTACT, WARP, WEFT, unit
+from shellfabric.state import GONE, INTACT, WARP, WEFT, unit
 
 
 @unit()
 def element_forces(state, const, block, first, last, work):
     """Compute the internal forces of the element rows first .. last - 1 of one block, from the
     present displacements."""
+    if state.block_damage[block] == GONE:
+        membrane_kernels.clear_forces(state, const, block, first, last)
+        return
     damaged = state.block_damage[block] != INTACT
     stretches(state, const, first, last, damaged, work)
     trellis_kernels.trellis_forces(state, const, work, first, last)

@@ -449,6 +449,18 @@ def hand_over(state, const, work, block, first, last):
 
 
 @kernel(_nrt=False)
+def clear_forces(state, const, block, first, last):
+    """Clear the forces of a block without a membrane on its nodes, and on the first row of the next."""
+    s = const.row_stride
+    for c in range(3):
+        state.f_int[c][first * s : last * s] = 0.0
+        if last == const.ni:
+            state.f_int[c][last * s : (last + 1) * s] = 0.0
+        elif last == (block + 1) * const.rows_per_block:
+            state.f_int_above[c][last * s : (last + 1) * s] = 0.0
+
+
+@kernel(_nrt=False)
 def copy_slots(x, m, n, y, k):
     """Copy slots: y[k : k + n] becomes x[m : m + n]."""
     source = x[m : m + n]

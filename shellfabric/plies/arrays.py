@@ -93,7 +93,6 @@ def pack_contact(
     pressure |= {
         "window": np.stack([no_nodes, no_nodes], axis=1),
         "grid_window": np.stack([no_nodes, no_nodes], axis=1),
-        "lane_numbers": np.arange(float(WIDTH)),
     }
     guard = Guard.zeros(**sizes) | {"dt_over_mass": dt_over_mass, "window": no_nodes}
     shared = PackContact.zeros(**sizes) | {

@@ -15,9 +15,19 @@ twice its size once torn. What has ceased to be one never is one again. Yarns be
 import math
 
 from shellfabric.jit.compile import kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    broadcast,
+    greater,
+    lane_of,
+    load,
+    maximum,
+    minimum,
+    movemask,
+)
 from shellfabric.plies.frame_kernels import TALL, WIDE, mean_thickness
 from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, gap_to_keep
-from shellfabric.plies.separation_kernels import lower_bound, separation
+from shellfabric.plies.separation_kernels import lower_bound, separation, span, unit_normal
 from shellfabric.plies.state import unit
 from shellfabric.surface.vector_kernels import cross, difference, dot, scaled
 
@@ -235,7 +245,9 @@ def add_facet(contact, side, found, a, b, c):
     """Put a facet and its box at place `found`, and return the next place."""
     lists = contact.lists
     nodes = lists.facets[side, found]
-    box = lists.facet_box[side, found]
+    box = lists.facet_box[side]
+    corner = lists.facet_corner[side]
+    plane = lists.facet_plane[side]
     nodes[0] = a
     nodes[1] = b
     nodes[2] = c
@@ -243,8 +255,15 @@ def add_facet(contact, side, found, a, b, c):
         u = contact.x[r, a]
         v = contact.x[r, b]
         w = contact.x[r, c]
-        box[r] = min(u, min(v, w))
-        box[3 + r] = max(u, max(v, w))
+        box[r, found] = min(u, min(v, w))
+        box[3 + r, found] = max(u, max(v, w))
+        corner[r, found] = u
+        corner[3 + r, found] = v
+        corner[6 + r, found] = w
+    n = unit_normal(contact.x, a, b, c)
+    for r in range(3):
+        plane[r, found] = n[r]
+    plane[3, found], plane[4, found] = span(contact.x, nodes, 0, n)
     return found + 1
 
 
@@ -261,26 +280,65 @@ def list_near_facets(contact, m, first, second):
     reach = limit + _REACH * thickness
     lists.pair_recheck_at[m] = pair_displacement(lists, a, b) + _REACH * thickness
     for i in range(first):
-        if boxes_apart(lists.facet_box[0, i], lists.box[b]) > reach:
+        if boxes_apart(lists.facet_box[0, :, i], lists.box[b]) > reach:
             continue
-        for j in range(second):
-            if boxes_apart(lists.facet_box[0, i], lists.facet_box[1, j]) > reach:
+        for j in range(0, second, WIDTH):
+            near = (1 << min(second - j, WIDTH)) - 1
+            near &= ~movemask(greater(boxes_apart8(lists, i, j), reach))
+            if near == 0:
                 continue
-            if found == lists.facet_recheck_at.size:
-                guard.fault = NO_ROOM
-                return
-            nodes = lists.facet_pairs[found]
-            for r in range(3):
-                nodes[r] = lists.facets[0, i, r]
-                nodes[3 + r] = lists.facets[1, j, r]
-            apart = lower_bound(contact.x, nodes)
-            if apart > reach:
-                continue
-            lists.facet_pair_tiles[found] = m
-            lists.facet_pair_listing[found] = lists.pair_recheck_at[m]
-            lists.facet_recheck_at[found] = pair_displacement(lists, a, b) + apart - limit
-            found += 1
+            apart = planes_apart8(lists, i, j)
+            near &= ~movemask(greater(apart, reach))
+            for lane in range(WIDTH):
+                if not near >> lane & 1:
+                    continue
+                if found == lists.facet_recheck_at.size:
+                    guard.fault = NO_ROOM
+                    return
+                for r in range(3):
+                    lists.facet_pairs[found, r] = lists.facets[0, i, r]
+                    lists.facet_pairs[found, 3 + r] = lists.facets[1, j + lane, r]
+                lists.facet_pair_tiles[found] = m
+                lists.facet_pair_listing[found] = lists.pair_recheck_at[m]
+                own = pair_displacement(lists, a, b) + lane_of(apart, lane)
+                lists.facet_recheck_at[found] = own - limit
+                found += 1
     lists.n_facet_pairs = found
+
+
+@kernel(_nrt=False, forceinline=True)
+def boxes_apart8(lists, i, j):
+    """Return `boxes_apart` of facet i of the first tile and of eight of the second, from j on."""
+    gap = broadcast(-1e30)
+    for c in range(3):
+        before = lists.facet_box[0, c, i] - load(lists.facet_box[1, 3 + c], j)
+        behind = load(lists.facet_box[1, c], j) - lists.facet_box[0, 3 + c, i]
+        gap = maximum(gap, maximum(before, behind))
+    return gap
+
+
+@kernel(_nrt=False, forceinline=True)
+def planes_apart8(lists, i, j):
+    """Return `lower_bound` of facet i of the first tile and of eight of the second, from j on."""
+    own = lists.facet_plane[0]
+    n = own[0, i], own[1, i], own[2, i]
+    other = lists.facet_plane[1]
+    other_n = load(other[0], j), load(other[1], j), load(other[2], j)
+    low = other_low = broadcast(1e30)
+    high = other_high = broadcast(-1e30)
+    for corner in range(3):
+        X, Y, Z = 3 * corner, 3 * corner + 1, 3 * corner + 2
+        x = lists.facet_corner[1]
+        along = dot(n, (load(x[X], j), load(x[Y], j), load(x[Z], j)))
+        other_low = minimum(other_low, along)
+        other_high = maximum(other_high, along)
+        x = lists.facet_corner[0]
+        along = dot(other_n, (x[X, i], x[Y, i], x[Z, i]))
+        low = minimum(low, along)
+        high = maximum(high, along)
+    first = maximum(other_low - own[4, i], own[3, i] - other_high)
+    second = maximum(load(other[3], j) - high, low - load(other[4], j))
+    return maximum(maximum(first, second), 0.0)
 
 
 @kernel(_nrt=False, forceinline=True)

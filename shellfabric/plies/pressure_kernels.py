@@ -22,6 +22,7 @@ from shellfabric.jit.simd import (
     fabs,
     floor,
     greater,
+    lane_numbers,
     load,
     mask_from_bits,
     masked_store,
@@ -586,7 +587,7 @@ def press_points8(contact, p, row, j, q, count):
     a, b = place_of_point(contact, row, j)
     foot = foot_at(grid_in_pack(contact, p), False, a, b)
     _, _, nodes, wa, wb = foot
-    lanes = load(pressure.lane_numbers, 0)
+    lanes = lane_numbers()
     all_of = (1 << count) - 1
     A = load(pressure.closest_a, q)
     B = load(pressure.closest_b, q)

@@ -80,19 +80,21 @@ def lower_bound(x, nodes):
     say nothing."""
     found = 0.0
     for first in (0, 3):
-        a = nodes[first]
-        b = nodes[first + 1]
-        c = nodes[first + 2]
-        if b == c:
-            continue
-        n = cross(difference(x, a, b), difference(x, a, c))
-        size = math.sqrt(dot(n, n))
-        if size > 0.0:
-            n = scaled(1.0 / size, n)
-            low, high = span(x, nodes, 0, n)
-            other_low, other_high = span(x, nodes, 3, n)
-            found = max(found, max(other_low - high, low - other_high))
+        n = unit_normal(x, nodes[first], nodes[first + 1], nodes[first + 2])
+        low, high = span(x, nodes, 0, n)
+        other_low, other_high = span(x, nodes, 3, n)
+        found = max(found, max(other_low - high, low - other_high))
     return found
+
+
+@kernel(_nrt=False, forceinline=True)
+def unit_normal(x, a, b, c):
+    """Return the unit normal of a facet of three nodes; 0 of a bare yarn."""
+    n = cross(difference(x, a, b), difference(x, a, c))
+    size = math.sqrt(dot(n, n))
+    if b == c or size == 0.0:
+        return 0.0, 0.0, 0.0
+    return scaled(1.0 / size, n)
 
 
 @kernel(_nrt=False)

@@ -90,7 +90,13 @@ class NeighbourLists(Row):
         "facet pairs", "m", "displacements of their tiles at which they can be near"
     )
     facets = array("2, facets, 3 int64", "-", "scratch: facets of two tiles")
-    facet_box = array("2, facets, 6", "m", "scratch: their boxes")
+    facet_box = array("2, 6, facets", "m", "scratch: their boxes")
+    facet_corner = array("2, 9, facets", "m", "scratch: their corners")
+    facet_plane = array(
+        "2, 5, facets",
+        "-",
+        "scratch: their unit normals n, the least and the largest n.x of their corners [m]; 0 of bare yarns",
+    )
 
 
 class Pressure(Row):
@@ -160,7 +166,6 @@ class Pressure(Row):
     )
     stick_damping = array("plies - 1", "N s/m", "its damping there")
     same_angle = array("plies - 1 boolean", "-", "whether a ply and the next lie at one angle")
-    lane_numbers = array("8", "-", "0, 1, ..., 7")
     grid_force = array(
         "plies, 2, 3, slots",
         "N",

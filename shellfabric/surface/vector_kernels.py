@@ -42,7 +42,7 @@ def add_scaled(a, s, b):
 @kernel(_nrt=False, forceinline=True)
 def across(a, normal):
     """Return the part of a at right angles to a unit vector."""
-    return add_scaled(a, -dot(a, normal), normal)
+    return subtract(a, scaled(dot(a, normal), normal))
 
 
 @kernel(_nrt=False, forceinline=True)

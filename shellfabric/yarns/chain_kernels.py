@@ -12,13 +12,26 @@ that snaps taut or goes slack is in `zone.lost_in_snaps`, as the membrane's is i
 import math
 
 from shellfabric.jit.compile import entry, kernel
+from shellfabric.jit.simd import (
+    WIDTH,
+    any_lane,
+    both,
+    broadcast,
+    equal_bytes,
+    greater,
+    load,
+    maximum,
+    minimum,
+    reduce_add,
+    sqrt,
+    store,
+    where,
+)
 from shellfabric.membrane import criterion_kernels
-from shellfabric.surface.vector_kernels import column, dot, subtract
+from shellfabric.surface.vector_kernels import add, column, dot, scaled, subtract
 
 TINY = 1e-9  # [N] below which a force has no direction
 ROUNDING = 1e-12  # strain below which a segment counts as at rest
-# lets LLVM add up the energies in any order, in vectors: their last digit is that of the processor
-SUM = {"reassoc", "nsz", "contract"}
 
 
 @entry(_nrt=False)
@@ -129,78 +142,96 @@ def break_segments(zone):
                 zone.torn[family, yarn_of(zone, family, n)] = True
 
 
-@kernel(_nrt=False, fastmath=SUM)
+@kernel(_nrt=False)
 def stretch_segments(zone, family, first, last):
-    """Compute the tensions of the segments of a family, whose nodes are first .. last - 1; their
-    forces on the nodes before them.
+    """Compute the tensions of the segments of a family, whose nodes are first .. last - 1, and their
+    forces on the nodes before them, into zone.pull: eight segments at once, the last few one by one.
 
-    A loop over all of them, which LLVM turns into vector instructions. What lies between the end of
-    a yarn and the next one is not whole. The forces go into zone.pull.
+    What lies between the end of a yarn and the next one is not whole.
     """
-    count = last - first - 1
-    x, y, z = parts_of(zone.x, first, count)
-    next_x, next_y, next_z = parts_of(zone.x, first + 1, count)
-    u, v, w = parts_of(zone.v, first, count)
-    next_u, next_v, next_w = parts_of(zone.v, first + 1, count)
-    pull_x = zone.pull[0, first : first + count]
-    pull_y = zone.pull[1, first : first + count]
-    pull_z = zone.pull[2, first : first + count]
-    tension = zone.tension[first : first + count]
-    viscous_force = zone.viscous_force[first : first + count]
-    rest_length = zone.rest_length[first : first + count]
-    whole = zone.whole[first : first + count]
-    share = zone.segment_share[first : first + count]
-    stiffness = zone.stiffness[family]
-    drag = zone.drag[family]
-    stored = 0.0
-    damped = 0.0
-    snapped = 0.0
-    for n in range(count):
-        side_x = next_x[n] - x[n]
-        side_y = next_y[n] - y[n]
-        side_z = next_z[n] - z[n]
-        length = math.sqrt(side_x * side_x + side_y * side_y + side_z * side_z)
-        per_length = 1.0 / length
-        opening = (next_u[n] - u[n]) * side_x
-        opening += (next_v[n] - v[n]) * side_y
-        opening += (next_w[n] - w[n]) * side_z
-        rate = opening * per_length
-        rest = rest_length[n]
-        strain = length / rest - 1.0
-        bears = 1.0 * (whole[n] & (strain > ROUNDING))
-        taut = bears * stiffness * strain
-        damping = bears * max(drag * rate, -taut)
-        energy = 0.5 * taut * strain * rest
-        before = tension[n]
-        released = 0.5 * before * before / stiffness * rest
-        # the force at the beginning of the step acts in the direction that it had then
-        held = before + viscous_force[n]
-        rate_before = rate
-        if held > TINY:
-            work_rate = (next_u[n] - u[n]) * pull_x[n]
-            work_rate += (next_v[n] - v[n]) * pull_y[n]
-            work_rate += (next_w[n] - w[n]) * pull_z[n]
-            rate_before = work_rate / held
-        snap = (before * rate_before + taut * rate) * (0.5 * zone.dt) - energy + released
-        snapped += share[n] * snap * ((before == 0.0) != (taut == 0.0))
-        damped += share[n] * (viscous_force[n] * rate_before + damping * rate)
-        stored += share[n] * energy
-        tension[n] = taut
-        viscous_force[n] = damping
-        force = (taut + damping) * per_length
-        pull_x[n] = force * side_x
-        pull_y[n] = force * side_y
-        pull_z[n] = force * side_z
-    zone.stored += stored
-    zone.damped += 0.5 * zone.dt * damped
-    zone.lost_in_snaps += snapped
+    law = zone.stiffness[family], zone.drag[family], 0.5 * zone.dt
+    last -= 1
+    tail = last - (last - first) % WIDTH
+    none = broadcast(0.0)
+    works = none, none, none
+    for n in range(first, tail, WIDTH):
+        forces, pull, work = stretch(
+            (
+                subtract(eight(zone.x, n + 1), eight(zone.x, n)),
+                subtract(eight(zone.v, n + 1), eight(zone.v, n)),
+            ),
+            (equal_bytes(zone.whole, n, 1), load(zone.rest_length, n)),
+            (load(zone.tension, n), load(zone.viscous_force, n), eight(zone.pull, n)),
+            law,
+        )
+        works = add(works, scaled(load(zone.segment_share, n), work))
+        store(zone.tension, n, forces[0])
+        store(zone.viscous_force, n, forces[1])
+        for c in range(3):
+            store(zone.pull[c], n, pull[c])
+    total = reduce_add(works[0]), reduce_add(works[1]), reduce_add(works[2])
+    for n in range(tail, last):
+        forces, pull, work = stretch(
+            (
+                subtract(column(zone.x, 0, n + 1), column(zone.x, 0, n)),
+                subtract(column(zone.v, 0, n + 1), column(zone.v, 0, n)),
+            ),
+            (zone.whole[n], zone.rest_length[n]),
+            (zone.tension[n], zone.viscous_force[n], column(zone.pull, 0, n)),
+            law,
+        )
+        total = add(total, scaled(zone.segment_share[n], work))
+        zone.tension[n], zone.viscous_force[n] = forces
+        zone.pull[0, n], zone.pull[1, n], zone.pull[2, n] = pull
+    zone.stored += total[0]
+    zone.damped += total[1]
+    zone.lost_in_snaps += total[2]
 
 
-@kernel(_nrt=False, inline="always")
-def parts_of(vectors, begin, count):
-    """Return `count` entries from `begin` on, of each of the three rows of an array."""
-    end = begin + count
-    return vectors[0, begin:end], vectors[1, begin:end], vectors[2, begin:end]
+@kernel(_nrt=False, forceinline=True)
+def eight(vectors, n):
+    """Return eight vectors from column n of an array of three rows on."""
+    return load(vectors[0], n), load(vectors[1], n), load(vectors[2], n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def stretch(ends, own, before, law):
+    """Compute one segment, or eight.
+
+    Parameters
+    ----------
+    ends : what its end is from its begin [m], and how much faster [m/s]
+    own : whether it bears, its length at rest [m]
+    before : tension [N], viscous force [N] and force on its node [N] a step ago
+    law : EA [N], viscosity [N s/m], half a time step [s]
+
+    Returns
+    -------
+    (tension, viscous force), force on its node, energies [J]: stored; damped, lost in a snap in the
+    step
+    """
+    side, apart = ends
+    whole, rest = own
+    tension, viscous, pull = before
+    stiffness, drag, half_step = law
+    length = sqrt(dot(side, side))
+    per_length = 1.0 / length
+    rate = dot(apart, side) * per_length
+    strain = length / rest - 1.0
+    bears = both(whole, greater(strain, ROUNDING))
+    taut = where(bears, stiffness * strain, 0.0)
+    damping = where(bears, maximum(drag * rate, 0.0 - taut), 0.0)
+    energy = 0.5 * taut * strain * rest
+    released = (0.5 / stiffness) * tension * tension * rest
+    # the force at the beginning of the step acts in the direction that it had then
+    held = tension + viscous
+    rate_before = where(greater(held, TINY), dot(apart, pull) / held, rate)
+    snap = (tension * rate_before + taut * rate) * half_step - energy + released
+    snapped = where(greater(tension, 0.0), where(greater(taut, 0.0), 0.0, snap), 0.0)
+    snapped = snapped + where(greater(tension, 0.0), 0.0, where(greater(taut, 0.0), snap, 0.0))
+    damped = half_step * (viscous * rate_before + damping * rate)
+    force = scaled((taut + damping) * per_length, side)
+    return (taut, damping), force, (energy, damped, snapped)
 
 
 @kernel(_nrt=False)
@@ -218,11 +249,23 @@ def follow_tensions(zone):
     """Let F of each segment follow its M, and mark the segments that break; keep the highest
     tension."""
     for family in range(2):
-        for n in range(*nodes_of(zone, family)):
-            half = zone.half_strength[n]
-            near = zone.tension[n] > min(zone.peak_tension[family], half)
-            if zone.whole[n] and (near or zone.filtered[n] > half):
-                follow_segment(zone, family, n)
+        first, last = nodes_of(zone, family)
+        for begin in range(first, last, WIDTH):
+            if begin + WIDTH <= last and not followed8(zone, family, begin):
+                continue
+            for n in range(begin, min(begin + WIDTH, last)):
+                half = zone.half_strength[n]
+                near = zone.tension[n] > min(zone.peak_tension[family], half)
+                if zone.whole[n] and (near or zone.filtered[n] > half):
+                    follow_segment(zone, family, n)
+
+
+@kernel(_nrt=False, forceinline=True)
+def followed8(zone, family, n):
+    """Tell whether one of eight segments from n on has a tension, or an F, that is to be followed."""
+    half = load(zone.half_strength, n)
+    near = greater(load(zone.tension, n), minimum(half, zone.peak_tension[family]))
+    return any_lane(near) or any_lane(greater(load(zone.filtered, n), half))
 
 
 @kernel(_nrt=False)

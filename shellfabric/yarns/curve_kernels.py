@@ -32,9 +32,14 @@ def spline(s, count):
 def gather(x, n, weights):
     """Sum the nodes n - 1, n, n + 1 of x (3, nodes) times their weights."""
     n = np.uint64(n)
-    before = scaled(weights[0], column(x, 0, n - ONE))
-    found = add(before, scaled(weights[1], column(x, 0, n)))
-    return add(found, scaled(weights[2], column(x, 0, n + ONE)))
+    return weighted(weights, (column(x, 0, n - ONE), column(x, 0, n), column(x, 0, n + ONE)))
+
+
+@kernel(_nrt=False, forceinline=True)
+def weighted(weights, vectors):
+    """Sum three vectors, or eight times three, times their weights."""
+    found = add(scaled(weights[0], vectors[0]), scaled(weights[1], vectors[1]))
+    return add(found, scaled(weights[2], vectors[2]))
 
 
 @kernel(_nrt=False, forceinline=True)

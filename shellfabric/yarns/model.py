@@ -32,7 +32,7 @@ from shellfabric.membrane.numerics import NumericsKeys
 from shellfabric.membrane.slots import by_node
 from shellfabric.panel_numbers import CellNumbers, PanelNumbers
 from shellfabric.parts import Part, own_steps
-from shellfabric.state import DAMAGED, RESOLVED, WARP_FAILED, WEFT_FAILED, Constants, State
+from shellfabric.state import DAMAGED, GONE, RESOLVED, WARP_FAILED, WEFT_FAILED, Constants, State
 from shellfabric.yarns.part import ResolvedYarns
 from shellfabric.yarns.patch import RIM_ROWS, YarnPatch
 from shellfabric.yarns.state import Zone
@@ -465,10 +465,23 @@ class YarnPanel(Panel):
         grid(state.inverse_mass)[i0 : i1 + 1, j0 : j1 + 1] = inverse
         grid(state.dt_over_mass)[i0 : i1 + 1, j0 : j1 + 1] = self.time_step * inverse
         grid(state.mass)[inside] = 0.0
+        if not self._has_membrane(grid(state.inverse_mass) > 0, state.intact_fraction, const):
+            state.block_damage[:] = GONE
         if self.is_seen:
             g0, g1 = self.images
             mobility = self.patch.shadow_mobility[g0:, g1:] / self.patch.crossing_share.T[g0:, g1:]
             grid(state.dt_over_mass)[inside] = self.time_step * mobility
+
+    def _has_membrane(self, moves, intact, const):
+        """Whether an edge of the membrane is left that can be drawn out: one at a node that moves."""
+        if const.slip_node.size > 0:
+            return True
+        for axis in range(2):
+            ends = np.moveaxis(moves, axis, 0)
+            edges = np.moveaxis(by_node(intact[axis], const), axis, 0)[:-1] > 0
+            if (edges & (ends[:-1] | ends[1:])).any():
+                return True
+        return False
 
     def _rim_masses(self, warp, weft):
         """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the

@@ -252,12 +252,7 @@ class YarnPatch:
         forces = np.concatenate([[0.0], np.geomspace(1e-9, high, 4000)])
         closures = np.sum([np.maximum(law.d(forces), 0.0) for law in laws], axis=0)
         if not closures[-1] > 0:  # incompressible yarns
-            return {
-                "law_force": np.zeros(1),
-                "law_energy": np.zeros(1),
-                "law_stiffness": np.array([hardest]),
-                "law_scale": 1.0,
-            }
+            return {"law": np.array([[0.0, hardest, 0.0, 0.0]]), "law_scale": 1.0}
         closure = np.linspace(0.0, closures[-1], LAW_SAMPLES)
         force = np.interp(closure, closures, forces)
         closure *= s
@@ -266,9 +261,7 @@ class YarnPatch:
         energy = np.concatenate([[0.0], np.cumsum(0.5 * step * (force[1:] + force[:-1]))])
         slope = np.append(np.diff(force) / step, hardest)
         return {
-            "law_force": force,
-            "law_energy": energy,
-            "law_stiffness": slope,
+            "law": np.column_stack([force, slope, energy, step * np.arange(force.size)]),
             "law_scale": 1 / step,
         }
 
@@ -280,7 +273,7 @@ class YarnPatch:
         """
         chains = self._chains()
         unit = self.unit_stiffness
-        hardest = max(CROSSING * unit, self.law["law_stiffness"].max())
+        hardest = max(CROSSING * unit, self.law["law"][:, 1].max())
         beside = (self.beside["touch_stiffness"] + self.beside["closest_stiffness"]).max()
         across = 1.2 * hardest + 2 * NOSE * unit + 2 * beside
         highest = 0.0
@@ -433,8 +426,8 @@ class YarnPatch:
             foot_onset[span] = self.beside["touch_distance"][family]
             closest[span] = self._closest(family).ravel()
         return {
-            "place": place.copy(),
-            "slider": np.zeros((*shape, 3)),
+            "place": np.moveaxis(place, -1, 0).copy(),
+            "slider": np.zeros((3, *shape)),
             "touching": np.ones(shape, np.bool_),
             "pinned": self._pinned,
             "sign": self.up(0),

@@ -53,9 +53,9 @@ class Zone(Row):
     peak_tension = array("2", "N", "highest of warp and weft so far", kept=True)
     peak_segment = array("2 int64", "-", "segments that had it", kept=True)
     place = array(
-        "warp, weft, 2", "-", "indices of a crossing on its warp and on its weft", kept=True
+        "2, warp, weft", "-", "indices of a crossing on its warp and on its weft", kept=True
     )
-    slider = array("warp, weft, 3", "m", "friction spring of a crossing", kept=True)
+    slider = array("3, warp, weft", "m", "friction spring of a crossing", kept=True)
     touching = array(
         "warp, weft boolean", "-", "false once a yarn of the crossing has torn", kept=True
     )
@@ -67,9 +67,11 @@ class Zone(Row):
         "warp, weft", "m", "distance at which its contact begins; below 0 if slack", kept=True
     )
     contact_damping = array("warp, weft", "N", "damping force of its normal contact", kept=True)
-    law_force = array("samples", "N", "force of a crossing at equal steps of its closure")
-    law_energy = array("samples", "J", "its energy there")
-    law_stiffness = array("samples", "N/m", "its stiffness from there on")
+    law = array(
+        "samples, 4",
+        "-",
+        "of a crossing: force [N], stiffness from there on [N/m], energy [J] at equal steps of its closure [m]",
+    )
     law_scale = number("1/m", "steps of the law in a metre")
     gap = array("warp, weft", "m", "distance of the yarns of a crossing at rest")
     friction = number("-", "coefficient of yarn on yarn")

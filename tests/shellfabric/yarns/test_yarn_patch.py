@@ -75,14 +75,14 @@ def drop_crossing(zone, i, j, whole):
 def test_a_dropped_crossing_gives_back_nothing_of_what_it_stored(whole):
     """The spring of friction has slipped along all three axes; the crossing counts a part of itself."""
     zone = free_zone(patch((3, 4)))
-    zone.slider[1, 2] = np.array([1.0, -2.0, 3.0]) * 1e-6
+    zone.slider[:, 1, 2] = np.array([1.0, -2.0, 3.0]) * 1e-6
     zone.contact_energy[1, 2] = 4e-6
     zone.crossing_share[1, 2] = 0.25
     drop_crossing(zone, 1, 2, whole)
     stored = 0.25 * (4e-6 + 0.5 * zone.friction_stiffness * 14e-12)
     lost = {True: (stored, 0.0), False: (0.0, stored)}[whole]
     assert (zone.lost_when_slack, zone.lost_with_yarns) == pytest.approx(lost, rel=1e-12)
-    assert not zone.slider[1, 2].any()
+    assert not zone.slider[:, 1, 2].any()
     assert zone.contact_energy[1, 2] == 0.0
 
 
@@ -250,7 +250,7 @@ def test_a_yarn_is_pulled_through_at_the_coefficient_times_the_sum_of_contact_fo
         difference.append(zone.tension[last - 1] - zone.tension[first])
 
     march(zone, 10_000, watch)
-    way = np.abs(zone.place[1] - made.rest[0][1])
+    way = np.abs(zone.place[:, 1].T - made.rest[0][1])
     assert 0.5 * way.max(axis=-1).min() > 0.2
     assert np.mean(difference[4000:]) == pytest.approx(mu * np.mean(pressing[4000:]), rel=0.15)
 
