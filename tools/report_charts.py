@@ -38,7 +38,8 @@ REFERENCE = "reference"
 DEFAULTS = {"crossover": "8 x 6 x 4"}
 TITLES = {
     "cost-ply-stopped": "One ply of S-720, 92.5 m/s, stops the projectile",
-    "cost-ply-perforated": "One ply of S-720, perforated at 160 to 220 m/s",
+    "cost-drawn-ply": "One ply of S-728, 5.5 mm sphere at 140 m/s, 12 drawn shots",
+    "cost-drawn-pack": "Two plies of S-728, FSP of 1.1 g at 220 m/s, 10 drawn shots",
     "cost-pack": "Four plies of S-728, 91 m/s",
     "cost-pack-fragment": "Four plies of S-728, a fragment of 1.1 g at 276 to 324 m/s",
     "cost-pack-bullet": "Ten plies of S-728, a 9 mm bullet at 400 m/s",
@@ -79,7 +80,14 @@ OF_MODELS = {
     ("solids", "20"): ("woven solids, 25.4 mm", "32 hexahedra", "400 hexahedra"),
 }
 # charts whose every method is named beside its point, since those off the front are what is compared
-ALL_NAMED = ("cost-peers", "cost-bullet", "cost-pack-fragment", "cost-pack-bullet")
+ALL_NAMED = (
+    "cost-drawn-ply",
+    "cost-drawn-pack",
+    "cost-peers",
+    "cost-bullet",
+    "cost-pack-fragment",
+    "cost-pack-bullet",
+)
 # mark and colour of each outcome, and what it says
 OUTCOMES = {
     "stable": ("o", GREEN, "stable: the answer is right"),

@@ -331,24 +331,6 @@ def stepped(*, cfl: float, neighbours: int = 1, **keywords: Any) -> Values:
     return runs[0] | {"peak": peak, "v": np.array([velocity]), "neighbours": neighbours}
 
 
-def several(*, velocities: Sequence[float], outcome: str, **keywords: Any) -> Values:
-    """Fire shots at velocities [m/s] that all have an outcome: residual [m/s] and absorbed [J] of
-    each.
-
-    Raises
-    ------
-    UnstableError : a shot with another outcome, or as in `run_impact`
-    """
-    runs = [run_impact(setup(velocity=velocity, **keywords)) for velocity in velocities]
-    for velocity, run in zip(velocities, runs):
-        if run.outcome != outcome:
-            raise UnstableError(f"the shot at {velocity:g} m/s ends {run.outcome}, not {outcome}")
-    return {
-        "residual": [r.residual_velocity for r in runs],
-        "absorbed": [r.absorbed_energy for r in runs],
-    }
-
-
 def limit(
     *,
     tolerance: float = 1.0,
