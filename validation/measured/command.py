@@ -1,7 +1,7 @@
 """Compute the rows of validation/measured/rows.csv and hold them against the tests.
 
-Writes measured.csv (measured, computed, E and u_val of each row), measured-quantities.csv (bias and scatter) and
-measured-clamps.csv to docs/reports/data, and what `weavecell impact --uncertainty` prints of tests to weavecell/report.
+Writes measured.csv (measured, computed, E and u_val of each row) and measured-quantities.csv (bias and scatter) to
+docs/reports/data, and what `weavecell impact --uncertainty` prints of tests to weavecell/report.
 Rows that are not computed anew stay as they are; --known lists those that are of earlier code (`validation.stale`).
 The site draws the scatter plots (tools/measured_plots.py).
 """
