@@ -47,7 +47,7 @@ class Case:
 
     Parameters
     ----------
-    measure : of `compute`
+    measure : of `compute`, or DRAWN
     input : name of a file of inputs/
     text : of that file and of the fabrics, since a kept result depends on them
     changes : ((key, value), ...) of the input file, or without a dot options of the measure
