@@ -27,8 +27,8 @@ from weavecell.results import provenance
 
 ROOT = Path(__file__).parents[1]
 CODE = (*run_cache.LIBRARIES, "weavecell", "validation")  # folders whose state is the commit's
-# files in these folders that the programs of validation write themselves: no code
-WRITTEN = ("validation/moved.csv", "weavecell/report/against_tests.csv")
+# in these folders, no code: what the programs of validation write themselves, and pages
+WRITTEN = ("validation/moved.csv", "validation/reports", "weavecell/report/against_tests.csv")
 UNKNOWN = "unknown"
 HISTORY = "history, not repeated: "
 WORDS = (
@@ -105,7 +105,7 @@ def spent() -> str:
 def changes() -> list[str]:
     """List the files of the code that are not as they were committed, new ones too; none outside of a checkout.
 
-    What the programs of validation write themselves (WRITTEN) is none.
+    What is no code (WRITTEN) is none.
     """
     if not (ROOT / ".git").exists():
         return []

@@ -1,7 +1,8 @@
 """Compute the rows of validation/measured/rows.csv and hold them against the tests.
 
-Writes measured.csv (measured, computed, E and u_val of each row), measured-quantities.csv (bias and scatter) and
-measured-clamps.csv to docs/reports/data, and what `weavecell impact --uncertainty` prints of tests to weavecell/report.
+Writes measured.csv (measured, computed, E and u_val of each row) and measured-quantities.csv (bias and scatter) to
+docs/reports/data, and what `weavecell impact --uncertainty` prints of tests to weavecell/report.
+A V50 is that of drawn shots, in scored.csv.
 Rows that are not computed anew stay as they are; --known lists those that are of earlier code (`validation.stale`).
 The site draws the scatter plots (tools/measured_plots.py).
 """
@@ -18,7 +19,7 @@ import numpy as np
 from fabrics.base.errors import InputError
 from validation import csv_file, origin, stale
 from validation.measured import statistics
-from validation.measured.rows import Row, compute, number, read
+from validation.measured.rows import DRAWN, Row, compute, number, read
 from validation.values import Values, compute_each
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
 
@@ -63,7 +64,7 @@ def main(
     cases = {}
     for row in rows:
         pair = (None if quick else row.case, row.coarse_case)
-        if row.level in parts and row.id in wanted and any(pair):
+        if row.level in parts and row.id in wanted and any(pair) and not _is_drawn(row):
             cases[row.id] = pair
     kept = {row["id"]: row for row in csv_file.read(csv_file.DATA / "measured.csv")[1]}
     if known:
@@ -76,6 +77,9 @@ def main(
     found = compute_each(compute, filter(None, chain(*cases.values())), **options)
     for id, pair in cases.items():
         kept[id] = _ran(found, *pair, commit)
+    predicted = {row["id"]: row for row in csv_file.read(csv_file.DATA / "scored.csv")[1]}
+    for row in filter(_is_drawn, rows):
+        kept[row.id] = drawn(predicted.get(row.id, {}))
     table = [held(row, kept.get(row.id, {})) for row in rows]
     here = Path(__file__).parent
     inputs = origin.digest_of_files(here / "rows.csv", *here.glob("inputs/**/*.toml"))
@@ -101,6 +105,20 @@ def choose(ids: Sequence[str], only: str) -> list[str]:
     if not found:
         raise InputError(key="only", value=only, allowed=f"part of one of {', '.join(ids)}")
     return found
+
+
+def _is_drawn(row):
+    return row.case is not None and row.case.measure == DRAWN
+
+
+def drawn(row: Mapping[str, str]) -> dict[str, str]:
+    """Take the columns of RUN from a row of scored.csv: the middle of what was drawn, and a standard error of which
+    its 90 % interval is 3.29 wide; nothing where no shots are drawn."""
+    if not row.get("50 %"):
+        return {}
+    low, middle, high = (float(row[f"{level} %"]) for level in (5, 50, 95))
+    error = (high - low) / (2 * statistics.COVERAGE)
+    return dict(zip(RUN, map(csv_file.text, (middle, None, error, None, row["commit"]))))
 
 
 def _ran(found, case, coarse, commit):

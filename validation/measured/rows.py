@@ -38,7 +38,7 @@ from weavecell.api import target
 from weavecell.studies import ballistic_limit, pack_limit
 
 HERE = Path(__file__).parent
-V50_INTERVAL = 2 * 1.96  # standard errors that the interval of a V50 is wide
+DRAWN = "v50"  # measure of a number that shots are drawn for (`validation.measured.scored`)
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Case:
 
     Parameters
     ----------
-    measure : of `compute`
+    measure : of `compute`, or DRAWN
     input : name of a file of inputs/
     text : of that file and of the fabrics, since a kept result depends on them
     changes : ((key, value), ...) of the input file, or without a dot options of the measure
@@ -193,13 +193,6 @@ def compute(case: Case) -> tuple[Any, float, float]:
         return _limit(case)
     if case.measure == "growth":
         return _growth(case)
-    if case.measure == "v50":
-        counts: dict[str, Any] = {
-            key: int(case.options[key]) for key in ("shots", "batch") if key in case.options
-        }
-        found = wc.v50(case.setup(), **counts).summary()
-        wide = found["v50_high_m_s"] - found["v50_low_m_s"]
-        return found["v50_m_s"], wide / V50_INTERVAL, found["energy_error_max"]
     table = case.scene["fabric"]
     fabric = wc.fabric(table["name"], linear_density=table["linear_density"])
     if case.measure in OF_FABRICS:

@@ -56,8 +56,3 @@ def is_within(row: Mapping[str, str]) -> bool:
     if row["E_over_u_val"]:
         return abs(float(row["E_over_u_val"])) <= COVERAGE
     return row["measured"] == (row["computed"] or row["coarse"])
-
-
-def say_difference(row: Mapping[str, str]) -> str:
-    """Say of a row of measured.csv whether a difference is shown."""
-    return "within" if is_within(row) else "a difference is shown"

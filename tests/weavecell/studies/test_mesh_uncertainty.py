@@ -161,7 +161,7 @@ def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
         in text
     )
     assert (
-        "V50 of one ply: 1 of 1 within, bias"
+        "V50 of one ply: 0 of 1 within, bias"
         in text.partition("standard error, 5 shots at 36.8 to 43.2 m/s, 5 perforated:")[2]
     )
     assert "MIXED outcomes" in chapters.words(mesh_uncertainty.compare(other, one))
