@@ -21,6 +21,7 @@ from fabrics.base.assumed_number import Assumed
 from fabrics.base.checks import FilePath, FloatArray, not_negative, refuse
 from fabrics.base.errors import InputError, placed
 from fabrics.base.frozen import explain_frozen
+from fabrics.base.range_texts import CUT_OFF
 from fabrics.base.units import si
 
 if TYPE_CHECKING:
@@ -155,19 +156,26 @@ class CompressionLaw:
 
         Parameters
         ----------
-        u : (2,) [-] evenly drawn from 0 to 1; (1/2, 1/2) gives this law
+        u : (2,) [-] evenly drawn from 0, soft, to 1, stiff: of the compression on average over the forces of
+            the fit; and of a against b where that stays. (1/2, 1/2) gives this law. A normal distribution
+            that ends at CUT_OFF standard deviations
         """
         if self.spread is None:
             return self
-        from scipy.special import ndtri
+        from scipy.special import ndtr, ndtri
 
+        ends = ndtr([-CUT_OFF, CUT_OFF])
+        of_mean, of_rest = ndtri(np.interp(np.asarray(u, float), (0.0, 1.0), ends))
         aa, ab, bb = self.spread
-        normal = ndtri(np.clip(np.asarray(u, float), 1e-6, 1 - 1e-6))
-        root = np.sqrt(aa)
-        slope = ab / root if root > 0 else 0.0
-        of_a = root * normal[0]
-        of_b = slope * normal[0] + np.sqrt(max(bb - slope**2, 0.0)) * normal[1]
-        a, b = self.a * np.exp(of_a), self.b * np.exp(of_b)
+        toward = self.slopes_of_compression()
+        together = np.array([[aa, ab], [ab, bb]]) @ toward
+        variance = toward @ together
+        if variance > 0:
+            together = together / np.sqrt(variance)
+        across = np.array([toward[1], -toward[0]]) * np.sqrt(
+            max(aa * bb - ab**2, 0.0) / variance if variance > 0 else 0.0
+        )
+        a, b = np.exp(np.log([self.a, self.b]) - of_mean * together + of_rest * across)
         return replace(self, a=float(a), b=float(b), assumed_range=None, spread=None)
 
     def holds(self, a: float, b: float) -> bool:

@@ -7,8 +7,9 @@ validation/moved.csv lists it: known since a day, for a reason, until the study 
 where a row has moved otherwise, where one that is listed is the same again, and where the study's file is no longer
 that of the CSV. `--known` writes what has moved today to the list.
 
-Rows of measured.csv have no golden rows: they are long. `python -m validation measured ... --known REASON` lists those
-that are of earlier code, with no present value, and leave it when they are computed. Pages say what is listed.
+The ledger of claims stands as a study (`claims.golden_rows`). Rows of measured.csv have no golden rows: they are long.
+`python -m validation measured ... --known REASON` lists those that are of earlier code, with no present value, and
+leave it when they are computed. Pages say what is listed.
 """
 
 from __future__ import annotations
@@ -25,12 +26,14 @@ from fabrics.base.errors import InputError
 from fabrics.base.files import write_whole
 from validation import again, csv_file, golden, origin, study
 from validation.again import Cell, Outcome
+from validation.claims import golden_rows
 from validation.csv_file import DATA
 from validation.golden import Golden
 from validation.study import Study
 
 LIST = Path(__file__).parent / "moved.csv"
 HEADINGS = ("study", "row", "column", "kept", "now", "since", "reason")
+CLAIMS = golden_rows.STUDY
 SAME = "same"
 KNOWN = "known"
 MOVED = "MOVED"
@@ -40,7 +43,7 @@ WRONG = (MOVED, AGAIN)
 MEASURED = "measured"  # in place of a study: a row of measured.csv, which is of earlier code
 INPUTS = "inputs"  # in place of a column: the study's file is not that of the CSV
 NOTES = {
-    "names": "of studies; all by default",
+    "names": "of studies, or claims; all by default",
     "within": "seconds of CPU time: the cheapest studies that take no more in all",
     "known": "reason for which what moves now is listed in validation/moved.csv",
 }
@@ -64,15 +67,18 @@ def main(names: Sequence[str] = (), *, within: float = 0.0, known: str = "") -> 
     ------
     InputError : a study that there is not, or one whose golden rows are not in its CSV
     """
-    chosen = [study.load(name) for name in names or study.all_names()]
+    chosen = [named(name) for name in names or (CLAIMS.name, *study.all_names())]
     cheap, dear = in_order(chosen, within)
     listed = read()
     verdicts = []
     without = [this for this in chosen if golden.table(this).none]
     for this in [*cheap, *without]:
         made, records = csv_file.read(DATA / f"{this.name}.csv")
-        outcome = again.compare(this, records)
-        outcome.moves.extend(changed_inputs(this, made))
+        if this is CLAIMS:
+            outcome = golden_rows.compare(records)
+        else:
+            outcome = again.compare(this, records)
+            outcome.moves.extend(changed_inputs(this, made))
         if known:
             listed = relisted(this, outcome.moves, listed, known)
         verdicts.append(judge(this, outcome, listed))
@@ -84,6 +90,13 @@ def main(names: Sequence[str] = (), *, within: float = 0.0, known: str = "") -> 
     seconds = sum(verdict.seconds for verdict in verdicts)
     print(f"{told}, {len(dear)} not computed; {seconds:.0f} CPU s")
     return int(any(verdict.state in WRONG for verdict in verdicts))
+
+
+def named(name: str) -> Study:
+    """Read a study by its name; the ledger of claims stands as one."""
+    if name == CLAIMS.name:
+        return CLAIMS
+    return study.load(name)
 
 
 def in_order(chosen: Sequence[Study], within: float) -> tuple[list[Study], list[Study]]:

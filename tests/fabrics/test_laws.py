@@ -147,10 +147,13 @@ def test_solid_law_is_continuous_and_capped():
         assert ends == pytest.approx([law.K_r * law.E_c] * 2 + [law.E_c] * 2, rel=1e-12)
 
 
+JOINT = np.array([[0.04, 0.03], [0.03, 0.09]])
+
+
 def test_a_and_b_are_drawn_together_from_the_range_of_a_law(tmp_path):
-    """The middle is the law; many draws have its covariance; the file keeps it; 95 % of them are held."""
+    """The middle is the law; many draws have its covariance, less what lies beyond two deviations; the file keeps it."""
     law = CompressionLaw(4e-5, 6e-5, F_range=(0.5, 90.0))
-    wide = law.with_spread([[0.04, 0.03], [0.03, 0.09]])
+    wide = law.with_spread(JOINT)
     wide.to_json(tmp_path / "law.json")
     assert CompressionLaw.from_json(tmp_path / "law.json") == wide
     middle = wide.sample((0.5, 0.5))
@@ -158,10 +161,27 @@ def test_a_and_b_are_drawn_together_from_the_range_of_a_law(tmp_path):
     rng = np.random.default_rng(4)
     drawn = [wide.sample(u) for u in rng.random((4000, 2))]
     logs = np.log([[one.a / law.a, one.b / law.b] for one in drawn])
-    assert np.cov(logs.T) == pytest.approx(np.array([[0.04, 0.03], [0.03, 0.09]]), rel=0.12)
-    assert np.mean([wide.holds(one.a, one.b) for one in drawn]) == pytest.approx(0.95, abs=0.015)
+    within = 1 - 4 * np.exp(-2) / np.sqrt(2 * np.pi) / 0.9545  # of the variance
+    assert np.cov(logs.T) == pytest.approx(within * JOINT, rel=0.12)
+    assert np.mean([wide.holds(one.a, one.b) for one in drawn]) > 0.95
     assert law.sample((0.9, 0.1)) == law
     assert not law.holds(law.a, law.b)
+
+
+def test_one_share_moves_the_compression_and_the_other_the_shape():
+    """0 is soft, 1 is stiff by two deviations of the range, as its ends are by 1.96; across it the compression stays."""
+    law = CompressionLaw(4e-5, 6e-5, F_range=(0.5, 90.0)).with_spread(JOINT)
+    toward = law.slopes_of_compression()
+
+    def moved(*u):
+        drawn = law.sample(u)
+        return toward @ np.log([drawn.a / law.a, drawn.b / law.b])
+
+    deviation = np.sqrt(toward @ JOINT @ toward)
+    for shape in (0.1, 0.5, 0.8):
+        for share, sign in ((0.0, 2), (0.5, 0), (1.0, -2)):
+            assert moved(share, shape) == pytest.approx(sign * deviation, abs=1e-12)
+    assert law.sample((0.5, 0.9)) != law.sample((0.5, 0.5))
 
 
 @pytest.mark.parametrize("factor", [1e-3, 0.1, 1.0, 30.0])

@@ -5,10 +5,10 @@
 
 A missed claim is a result; one other than the recorded one ends with exit code 1. Claims on shots at one ply are
 judged as computed and in four variants: the thesis's cell formulation, nominal denier, 2 elements per crossover,
-elastic-plastic bored projectile. claims.csv has every claim with its verdict; `--out docs/reports/data` renews that
-of the documentation, then `python tools/pages.py`. `--find-turns` looks for an input whose change by a tenth turns
-each verdict (`turns`), into claims-turns.csv; `--turned` judges with that change. What is computed is kept in
-results/claims.
+elastic-plastic bored projectile. claims.csv has every claim with its verdict and the commit of the code that computed
+it; `--out docs/reports/data` renews that of the documentation, then `python tools/pages.py`: rows of claims that are
+not judged now stay. `--find-turns` looks for an input whose change by a tenth turns each verdict (`turns`), into
+claims-turns.csv; `--turned` judges with that change. What is computed is kept in results/claims.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 from fabrics.base.errors import InputError, nearest
 from validation import csv_file, origin
 from validation.claims import claims as data
-from validation.claims import judge, runner, table, turns
+from validation.claims import golden_rows, judge, runner, table, turns
 from weavecell.cli.from_signature import CORES
 from weavecell.results import progress
 
@@ -32,7 +32,7 @@ NOTES = {
     "topics": "those to judge; all if none is given",
     "slow": "also those that take minutes each",
     "no_variants": "as computed alone, not in the variants",
-    "out": "folder of the CSV",
+    "out": "folder of the CSV, results/claims where no claims are named; rows of other claims stay",
 }
 KEPT = Path("results/claims")
 
@@ -47,7 +47,7 @@ def main(
     no_variants: bool = False,
     jobs: int = CORES,
     executor: str = "local",
-    out: Path = KEPT,
+    out: Path | None = None,
 ) -> int:
     """Run the ledger; returns the exit code: 1 where a verdict is not the recorded one, else 0, for a miss is a result.
 
@@ -66,7 +66,9 @@ def main(
     if ids:
         claims = [claim for claim in claims if claim.id in ids]
     if find_turns:
-        return write_turns(claims, out, bool(ids), jobs=jobs, executor=executor)
+        return write_turns(claims, out or KEPT, bool(ids), jobs=jobs, executor=executor)
+    if out is not None:
+        origin.refuse_changes(out)
     if turned:
         claims = turns.turned(claims)
     with progress.bar(f"{len(claims)} claims") as advance:
@@ -79,16 +81,37 @@ def main(
             executor=executor,
             report=lambda done, total: advance(done / max(total, 1)),
         )
+    if out is None and not (ids or turned):
+        out = KEPT
+    options = " --slow" * slow + " --no-variants" * no_variants
+    if out is not None and not turned:
+        write_rows(out / table.FILE, table.rows(claims, records), options)
     if ids or turned:
         return tell(claims, records)
-    options = " --slow" * slow + " --no-variants" * no_variants
-    inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
-    made = origin.write(f"claims{options}", inputs, origin.spent())
-    csv_file.write(out / "claims.csv", table.rows(claims, records), made)
     counts = Counter(record.verdict for record in records)
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
-    print(f"written to {out}/claims.csv", flush=True)
     return tell_changed(claims, records)
+
+
+def write_rows(path: Path, rows: Sequence[table.Row], options: str) -> None:
+    """Write the rows of claims, each with the commit of the code; rows of claims that were not judged stay as they
+    are."""
+    kept = {}
+    if path.exists():
+        kept = {row["id"]: row for row in csv_file.read(path)[1]}
+    commit = origin.commit()
+    for row in rows:
+        before = kept.get(row["id"], {})
+        if row["verdict"] == judge.LEFT_OUT and before:
+            continue
+        stated = {"variants": row["variants"] or before.get("variants", ""), "commit": commit}
+        kept[row["id"]] = row | stated
+    ordered = [kept[claim.id] for claim in data.load() if claim.id in kept]
+    inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
+    checked = [number for number, row in enumerate(ordered, 1) if golden_rows.is_golden(row)]
+    made = origin.write(f"claims{options}", inputs, origin.spent(), checked)
+    csv_file.write(path, ordered, made)
+    print(f"written to {path}", flush=True)
 
 
 def write_turns(claims: Sequence[data.Claim], out: Path, named: bool, **pool: Any) -> int:

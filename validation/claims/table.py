@@ -8,10 +8,12 @@ from validation.claims import judge
 from validation.claims.claims import Claim
 from validation.claims.judge import MISSED, NOT_TESTABLE, REPRODUCED, Record
 from validation.claims.runner import VARIANTS
-from validation.values import Values
+
+FILE = "claims.csv"
+Row = dict[str, str]
 
 
-def rows(claims: Sequence[Claim], records: Sequence[Record]) -> list[Values]:
+def rows(claims: Sequence[Claim], records: Sequence[Record]) -> list[Row]:
     """Make one row a claim."""
     return [_row(claim, record) for claim, record in zip(claims, records, strict=True)]
 

@@ -32,6 +32,7 @@ from weavecell.studies.unknown_numbers import Range, Way
 
 PLACE = "place"  # that is struck
 STRENGTH_OF_YARNS = "strength of yarns"  # each of its own, see `strengths`
+LAW, LAW_SHAPE = "compression law", "shape of the compression law"
 GIVEN, ASSUMED = "given", "assumed"
 SPREAD = 6  # rows whose shares are points of one Sobol sequence
 LEVELS = 24  # binary digits of a share
@@ -176,7 +177,8 @@ ROWS = (
         ("fabric.weaving_damage.strength",), "strength",
     ),
     Unknown("failure length", ways.FAILURE_LENGTH, keys=("failure_length",), unit="mm", scale=1e3),
-    Unknown("compression law", ways.LAW, FIT_LAW, ("fabric.law.a", "fabric.law.b")),
+    Unknown(LAW, ways.LAW, FIT_LAW, ("fabric.law.a", "fabric.law.b")),
+    Unknown(LAW_SHAPE, ways.LAW_SHAPE, FIT_LAW, short=LAW),
     Unknown("trellis law", ways.TRELLIS, FIT_TRELLIS, ("shear.G1", "shear.G2")),
     Unknown("gap between plies", ways.GAP, "give panel.ply_gap", ("panel.ply_gap",), unit="mm", scale=1e3),
     Unknown("energy given back by plies", ways.RESILIENCE),
@@ -227,8 +229,12 @@ def put_all(setup: ImpactSetup, scatter: Scatter, shares: Mapping[str, float]) -
     if len(geometry) > 1:
         # each by itself would begin with the thickness of the file again
         setup = ways.put_geometry(setup, geometry, scatter)
+    together = set(geometry) if len(geometry) > 1 else set()
+    if LAW_SHAPE in shares:
+        setup = ways.put_law(setup, shares.get(LAW, 0.5), shares[LAW_SHAPE], scatter)
+        together |= {LAW, LAW_SHAPE}
     for row in ROWS:
-        if row.name in shares and not (len(geometry) > 1 and row.name in geometry):
+        if row.name in shares and row.name not in together:
             setup = row.way.put(setup, shares[row.name], scatter)
     return setup
 

@@ -464,7 +464,31 @@ def _find_law(ply, scatter):
 
 
 def _write_law(ply, value):
-    return replace(ply, laws=tuple(law.at(value) for law in _laws_of(ply)))
+    return _sample_laws(ply, value, 0.5)
+
+
+def _find_law_shape(ply, scatter):
+    """Return the range of a against b at one compression, of laws whose a and b are drawn together."""
+    laws = [law for law in _laws_of(ply) if law.spread is not None]
+    return Range(0.5, 0.0, 1.0, laws[0].provenance) if laws else None
+
+
+def _write_law_shape(ply, value):
+    return _sample_laws(ply, 0.5, value)
+
+
+def _sample_laws(ply, share, shape):
+    """Return a ply with its laws at shares of their range: a and b together where they have a joint one."""
+    laws = tuple(
+        law.at(share) if law.spread is None else law.sample((share, shape)) for law in _laws_of(ply)
+    )
+    return replace(ply, laws=laws)
+
+
+def put_law(setup: ImpactSetup, share: float, shape: float, scatter: Scatter) -> ImpactSetup:
+    """Put both shares of the range of the compression law: one after the other would begin with another law."""
+    joint = written(_find_law, lambda ply, value: _sample_laws(ply, share, shape))
+    return in_each_ply(joint, _has_laws).put(setup, share, scatter)
 
 
 def _find_failure_length(ply, scatter):
@@ -516,5 +540,6 @@ FAILURE_LENGTH = in_each_ply(
     written(_find_failure_length, _write_failure_length), lambda setup: setup.yarn_failure
 )
 LAW = in_each_ply(written(_find_law, _write_law), _has_laws)
+LAW_SHAPE = in_each_ply(written(_find_law_shape, _write_law_shape), _has_laws)
 TRELLIS = in_each_ply(written(_find_trellis, _write_trellis))
 GEOMETRIES = {name: in_each_ply(way, _has_laws) for name, (way, _) in GEOMETRY.items()}

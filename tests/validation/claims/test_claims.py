@@ -6,7 +6,17 @@ import pytest
 
 from fabrics.base.errors import InputError, UnstableError
 from validation import csv_file
-from validation.claims import changed_fabrics, command, judge, readers, runner, runs, table, turns
+from validation.claims import (
+    changed_fabrics,
+    command,
+    golden_rows,
+    judge,
+    readers,
+    runner,
+    runs,
+    table,
+    turns,
+)
 from validation.claims import claims as data
 
 RECORDED = Path(__file__).parents[3] / "docs" / "reports" / "data" / "claims.csv"
@@ -139,6 +149,52 @@ def test_one_claim_by_its_name(capsys, tmp_path, monkeypatch):
     assert not (tmp_path / "kept" / "claims.csv").exists()
     with pytest.raises(InputError, match="geom-glass-shell-dims"):
         command.main(["geom-glass-shell-dim"], jobs=1)
+
+
+def test_claims_that_are_judged_again_leave_the_rows_of_others(tmp_path, monkeypatch):
+    """A row has the commit of the code that computed it, and nothing else takes that away."""
+    monkeypatch.chdir(tmp_path)
+    made, rows = csv_file.read(RECORDED)
+    csv_file.write(tmp_path / table.FILE, rows, made)
+    monkeypatch.setattr(command.origin, "commit", lambda: "0123456789ab")
+    name = "geom-glass-shell-dims"
+    assert command.main([name], jobs=1, out=tmp_path) == 0
+    renewed, again = csv_file.read(tmp_path / table.FILE)
+    changed = [(old, new) for old, new in zip(rows, again, strict=True) if old != new]
+    assert [(old["id"], new["commit"]) for old, new in changed] == [(name, "0123456789ab")]
+    assert ", commit 0123456789ab" in renewed
+    assert "golden rows none" not in renewed
+
+
+def test_a_golden_claim_that_has_moved_is_named():
+    """Verdict and numbers are compared, of each that is golden and of no other."""
+    rows = [
+        {
+            "id": "geom-heights-s720",
+            "verdict": "reproduced",
+            "computed": "h01 0.1203 mm; h02 0.09582 mm",
+        },
+        {
+            "id": "geom-heights-s726",
+            "verdict": "missed",
+            "computed": "h01 0.1125 mm; h02 0.04401 mm",
+        },
+        {"id": "impact1-s745-215", "verdict": "missed", "computed": "outcome stops"},
+        {"id": "geom-crimp-scatter", "verdict": "not testable", "computed": ""},
+    ]
+    found = golden_rows.compare(rows)
+    assert {cell.row for cell in found.cells} == {"geom-heights-s720", "geom-heights-s726"}
+    assert [(cell.row, cell.column) for cell in found.moves] == [
+        ("geom-heights-s726", "verdict"),
+        ("geom-heights-s726", "computed"),
+    ]
+
+
+def test_golden_claims_are_of_every_kind_of_model():
+    rows = csv_file.read(RECORDED)[1]
+    chosen = [golden_rows.by_id()[row["id"]] for row in rows if golden_rows.is_golden(row)]
+    assert len(chosen) > 100
+    assert {claim.id for claim in chosen} >= {*golden_rows.OF_RUNS}
 
 
 def test_recorded_verdicts_are_those_of_the_page():

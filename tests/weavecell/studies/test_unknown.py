@@ -104,7 +104,7 @@ OTHERS = {
     "roll", "strength of yarns", "modulus", "crimp of the warp", "crimp of the weft", "strength of the file",
     "place along the warp", "place along the weft", "areal density", "share of the warp in the thickness",
     "length of changes of sides", "trellis law", "energy given back by plies", "area of packed fabric",
-    "lateral stiffness of yarns", "edge of yarns under the nose",
+    "lateral stiffness of yarns", "edge of yarns under the nose", unknown.LAW_SHAPE,
 }  # fmt: skip
 NEVER_ASSUMED = {"clamp force", "crimp of the file", "modulus of the file", "compression law"}
 
@@ -272,6 +272,23 @@ def test_the_law_goes_from_its_soft_to_its_stiff_end():
     assert [(one.a, one.b) for one in low] == [(5e-5, 4e-5), (6e-5, 4e-5)]
     assert [(one.a, one.b) for one in middle] == [(law.a, law.b)] * 2
     assert high[1].a == pytest.approx((law.a + 2e-5) / 2)
+
+
+def test_a_law_with_a_joint_range_is_drawn_from_it_a_and_b_together():
+    """A law of a calibration: each ply has the laws that both shares give; of one whose ends alone are known, none."""
+    law = replace(catalogue.load("S-720").laws[0], F_range=(0.5, 90.0))
+    wide = law.with_spread([[0.04, 0.03], [0.03, 0.09]])
+    made = replace(setup(), laws=(wide, replace(wide, a=0.8 * wide.a)))
+    assert {unknown.LAW, unknown.LAW_SHAPE} <= set(unknown.find_drawn(made, SCATTER))
+    shares = {unknown.LAW: 0.2, unknown.LAW_SHAPE: 0.9}
+    assert unknown.put_all(made, SCATTER, shares).laws == tuple(
+        one.sample((0.2, 0.9)) for one in made.laws
+    )
+    for name, u in ((unknown.LAW, (0.2, 0.5)), (unknown.LAW_SHAPE, (0.5, 0.9))):
+        (moved, _) = unknown.put_all(made, SCATTER, {name: shares[name]}).laws
+        assert moved == wide.sample(u)
+    ends = replace(made, laws=(replace(wide, spread=None),) * 2)
+    assert unknown.LAW_SHAPE not in unknown.find_drawn(ends, SCATTER)
 
 
 def test_the_page_lists_what_is_drawn_and_from_where():
