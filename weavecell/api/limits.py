@@ -443,8 +443,6 @@ class CriticalVelocityResult(StudyResult):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
-        from weavecell.studies import regression_line
-
         limit = self.limit
         count = len(limit.shots)
         if limit.mixed_zone is None:
@@ -475,8 +473,6 @@ class CriticalVelocityResult(StudyResult):
         if not fit.reason:
             rms = f", rms {fit.residual_rms:.1f} m/s"
         lines.append(f"Lambert-Jonas: {fit.words()}{rms}")
-        if self.critical_velocity is not None:
-            lines += regression_line.remarks(self.target.setup, self.critical_velocity)
         return lines
 
 

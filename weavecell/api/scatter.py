@@ -328,8 +328,6 @@ class V50Result(DrawnStudy):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed: shots, curves, the limit without scatter, assumptions."""
-        from weavecell.studies import regression_line
-
         study = self.study
         scatter = study.scatter
         shots = study.shots
@@ -344,7 +342,6 @@ class V50Result(DrawnStudy):
             remarks.append(
                 f"Shares of the spread, which few shots rank at best: {', '.join(shares)}."
             )
-            remarks += regression_line.remarks(self.target.setup, self.v50)
         remarks.append(f"{study.six_shots.words()}.")
         fastest = max(stops, default=nan)
         slowest = min(perforations, default=nan)
