@@ -105,7 +105,7 @@ GROUPS = {
         "coupon coupon.toml --out coupon",
         "biaxial S-720 --out biaxial",
         "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
-        "reduce tests tests.csv ply.toml --tolerance 20m/s --jobs 1 --out tests",
+        "reduce tests tests.csv --out tests",
         "compare S-720 S-728 --shots 4 --opening 30.6mm --jobs 1 --seed 2 --out compare",
         "plies S-720 --stop 'FSP 1.10 g' --at 150m/s --opening 30.6mm --shots 4 --jobs 1 --out plies",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",

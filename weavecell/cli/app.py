@@ -46,7 +46,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         "opening",
         "stacking",
     ),
-    "reduce tests": ("reduce_tests", "tests.csv examples/S-728-pack.toml"),
+    "reduce tests": ("reduce_tests", "tests.csv"),
     "reduce compression": (
         "reduce_compression",
         "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",

@@ -60,7 +60,7 @@ class Remembering:
 
     def __getattr__(self, name):
         value = getattr(wc, name)
-        if name not in ("compare", "critical_velocity", "reduce_tests", "v50"):
+        if name not in ("compare", "critical_velocity", "v50"):
             return value
 
         def call(*words, **options):
@@ -183,9 +183,6 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     assert wc.setup("S-728", 100.0, law=replace(law, fabric="")).laws[0].a == 4e-5
 
 
-SHOTS = Path(__file__).with_name("shots.csv")
-
-
 REFUSED = [  # keywords of a set-up
     ({"velocity": "3 kg"}, "velocity = '3 kg'"),
     ({"plie": 3}, "plie = 3: is not a keyword of setup, did you mean plies?"),
@@ -208,10 +205,6 @@ REFUSED += [
     (lambda: wc.impact("S-720", 100.0, plie=3), "plie = 3: is not a keyword of impact, did you"),
     (lambda: wc.critical_velocity("S-720", plie=3), "plie = 3: is not a keyword of critical_veloc"),
     (lambda: wc.v50("S-720", plie=3), "plie = 3: is not a keyword of v50, did you mean plies?"),
-    (
-        lambda: wc.reduce_tests(SHOTS, "S-720", plie=3),
-        "plie = 3: is not a keyword of reduce_tests, did you",
-    ),
 ]
 REFUSED += [
     (lambda: wc.fabric("S-720", linear_density="o"), "linear_density = 'o': must be effective or"),
@@ -255,9 +248,7 @@ def test_a_wrong_keyword_is_refused_by_the_function_that_was_called(function):
         function("S-720", job=2)
 
 
-@pytest.mark.parametrize(
-    "name", ["compare", "critical_velocity", "impact", "reduce_tests", "setup", "v50"]
-)
+@pytest.mark.parametrize("name", ["compare", "critical_velocity", "impact", "setup", "v50"])
 def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
     told = " ".join(inspect.getdoc(getattr(wc, name)).split())
     for key, table in keywords.tables().items():
