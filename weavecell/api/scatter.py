@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from math import inf, nan
+from dataclasses import asdict, dataclass
+from math import nan
 from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.base.checks import FilePath
@@ -126,9 +126,6 @@ def v50(
     batch: int | None = None,
     within: float | str | None = None,
     check: bool = False,
-    weibull_shape: float | None = None,
-    modulus_cov: float | str | None = None,
-    crimp_cov: float | str | None = None,
     seed: int = 1,
     **options: Unpack[StudyKeywords],
 ) -> V50Plan:
@@ -153,10 +150,6 @@ def v50(
     batch : shots of a round; outcomes so far decide the velocities of the next round. If not given 2
     within : fire no more shots once the interval of V50 is so narrow, half of it over V50, such as "5 %"
     check : run nothing and write nothing: forecast shots and CPU time
-    weibull_shape : Weibull shape of the yarns' strength, inf for yarns of one strength; this and the
-        next two are those of weavecell/studies/inputs.toml if they are not given
-    modulus_cov : coefficient of variation of the modulus from panel to panel
-    crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : seed of all random numbers; the same seed draws the same panels
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
@@ -180,17 +173,7 @@ def v50(
     from weavecell.runs import v50 as analysis
     from weavecell.studies import inputs, strengths
 
-    if weibull_shape is not None and weibull_shape != inf:
-        weibull_shape = quantities.read_positive(weibull_shape, "", "weibull_shape")
-    own: dict[str, Any] = {"shape": weibull_shape}
-    for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
-        if value is None:
-            own[key] = None
-        else:
-            own[key] = quantities.number(value, "", f"{key}_cov")
-    scatter = replace(
-        inputs.read_scatter(), **{key: value for key, value in own.items() if value is not None}
-    )
+    scatter = inputs.read_scatter()
     narrow = 0.0
     if within is not None:
         narrow = quantities.read_positive(within, "", "within")

@@ -44,9 +44,6 @@ OPTIONS = {
     "v50": {
         "batch": [4, 5],
         "within": ["5 %", 0.1],
-        "weibull_shape": [9, 14],
-        "modulus_cov": [0.01, 0.02],
-        "crimp_cov": [0.01, 0.02],
         **OF_V50,
     },
     "compare": {
@@ -57,7 +54,6 @@ SWEPT = {
     "tolerance": [1, 2],
     "shots": [8, 9],
     "seed": [1, 2],
-    "one_at_a_time": [True, False],
 }
 
 

@@ -201,27 +201,6 @@ def test_a_sweep_says_whether_each_yarn_has_a_drawn_strength(quantity, drawn):
     assert ("The whole panel is modelled" in str(section)) == drawn
 
 
-def test_one_key_at_a_time_is_the_file_and_then_each_value_alone(tmp_path):
-    scene = {
-        "panel": {"opening": "20 mm"},
-        "run": {"end_time": "10 us"},
-        "projectile": {"strike_velocity": "150 m/s"},
-    }
-    (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], scene)))
-    over = {"areal_density": [1.2], "crimp_warp": [0.8, 1.2], "panel.opening": ["16 mm"]}
-    table = wc.sweep(tmp_path / "scene.toml", over=over, one_at_a_time=True)
-    changed = [[row[key] for key in over] for row in table.rows]
-    alone = [[1.2, None, None], [None, 0.8, None], [None, 1.2, None], [None, None, "16 mm"]]
-    assert changed == [[None] * 3, *alone]
-    given, heavy = table.rows[:2]
-    assert heavy["areal_density_kg_m2"] == pytest.approx(1.2 * given["areal_density_kg_m2"])
-    assert len({row["absorbed_energy_J"] for row in table.rows[:4]}) == 4
-    lines = [line for line in table.lines() if not line.startswith("not in these")]
-    assert lines[0].startswith("input file: ")
-    assert lines[-1].startswith("panel opening 16 mm: ")
-    assert len(table.plot().axes[0].get_yticks()) == 5
-
-
 def test_a_sweep_says_what_came_of_the_keys_that_vary(tmp_path):
     """Two keys of which one has a single value: axis, title and headline are about the other."""
     scene = {"run": {"end_time": "5 us"}, "projectile": {"strike_velocity": "150 m/s"}}

@@ -1033,19 +1033,6 @@ def sweep(pyplot):
     return None
 
 
-@case(pictures_uncertainty.one_at_a_time)
-def one_at_a_time(pyplot):
-    table = pd.DataFrame({"residual_velocity_m_s": [50.0, 61.0, 43.0], "other": [1, 2, 3]})
-    changes = ["input file", "mass = 1 g", "mass = 2 g"]
-    figure = pictures_uncertainty.one_at_a_time(pyplot, changes, table, QUANTITIES["shot"])
-    (axes,) = figure.axes
-    assert_allclose(axes.lines[0].get_xydata(), [[50, 0], [61, 1], [43, 2]])
-    assert axes.lines[1].get_xdata()[0] == 50.0
-    assert [text.get_text() for text in axes.get_yticklabels()] == changes
-    assert axes.get_xlabel() == "residual velocity [m/s]"
-    return None
-
-
 @case(pictures_shot.histories)
 def histories(pyplot):
     record = Made()

@@ -81,9 +81,7 @@ MADE = {
     ),
     "v50": lambda out: wc.v50("S-728", shots=8, batch=4, **SMALL, out=out),
     "difference": lambda out: wc.compare("S-720", "S-728", shots=6, **SMALL, out=out),
-    "sweep": lambda out: wc.sweep(
-        "S-720", over=OVER, quantity="critical-velocity", one_at_a_time=True, out=out
-    ),
+    "sweep": lambda out: wc.sweep("S-720", over=OVER, quantity="critical-velocity", out=out),
     "tests": lambda out: wc.reduce_tests("tests.csv", out=out),
     "compression": lambda out: wc.reduce_compression("ply.csv", platen_area="361 mm^2", out=out),
     "pull-outs": lambda out: wc.reduce_pull_out("S-728", "peaks.csv", tension="2 N", out=out),
