@@ -83,7 +83,6 @@ RECORDS = {
 SCENES = RECORDS | {
     "ply.toml": PLY,
     "pack.toml": PLY.replace('"20 mm"\n', '"20 mm"\nplies = 2\n'),
-    "accuracy.toml": PLY + '\n[accuracy]\nquantity = "deflection"\nuncertainty = "10 %"\n',
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
@@ -101,7 +100,6 @@ GROUPS = {
         "impact ply.toml --out ply",
         "cite ply --out ply.bib",
         "impact pack.toml --out pack",
-        "impact accuracy.toml --out accuracy",
         "coupon coupon.toml --out coupon",
         "biaxial S-720 --out biaxial",
         "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",

@@ -172,7 +172,7 @@ def critical_velocity(
     The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. A
     shot ends with its outcome, so these keys of an input file are ignored: title,
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
-    run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
+    run.checkpoint_interval, run.outputs. [history] is rejected.
 
     The folder `out` then has report.html, critical-velocity.json, shots.csv, residual-velocity.svg,
     scene.toml, and runs/ with a file for each shot, from which `resume` goes on. If the search

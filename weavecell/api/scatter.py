@@ -136,8 +136,7 @@ def v50(
     resolved yarns unless the input pins them. Shots that become unstable, or neither stop nor perforate, are
     left out of all estimates. The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and
     5.5 mm. These keys of an input file are ignored: title, projectile.strike_velocity, run.end_time,
-    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
-    [accuracy] are rejected.
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] is rejected.
 
     The folder `out` then has report.html, v50.csv, v50.json, v50.png, shots.csv, scene.toml, and
     runs/ with a file for each shot. If yarns are resolved, shots.csv has the drawn impact points.

@@ -212,8 +212,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
 
     All combinations are checked before the first is computed. Ignored keys of the input file:
     title, run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50
-    projectile.strike_velocity, run.end_time and backing.after_stop; [history] and [accuracy] are
-    rejected.
+    projectile.strike_velocity, run.end_time and backing.after_stop; [history] is rejected.
 
     The folder then holds report.html, sweep.csv, sweep.json, sweep.png (against areal density, of
     numbers of plies), scene.toml, and runs/, a file for each finished run.
