@@ -32,7 +32,7 @@ check input files with the JSON Schemas `scene.schema.json` and `coupon.schema.j
 Each entry has the allowed values, the SI unit of the default, and the default; a key without one may be left out, and
 its text then says what holds. All commands that take the file use a key, unless it says by which it is **refused**, or
 **ignored** since it means nothing to them: *impact* is `weavecell impact`, *limits* are `weavecell critical-velocity`
-and `v50`, *export* and *coupon* are the commands of these names; `sweep`, `compare` and `reduce tests` use keys as the
+and `v50`, *export* and *coupon* are the commands of these names; `sweep` and `compare` use keys as the
 command that they repeat."""
 HEAD_OF_RESULTS = """# Result files
 

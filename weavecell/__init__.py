@@ -38,8 +38,8 @@ REMOVED = {
     "projectile": "give the keyword a dict: projectile={'name': 'FSP 1.10 g', 'obliquity': '30 deg'}",
     "patch": "resolved yarns judge whether crossovers may be pinned; `python -m validation patch` in a clone strikes "
     "solid yarns",
-    "draws": "use `sweep` over the key panel.strength.seed",
-    "sensitivity": "use `sweep` with one_at_a_time; examples/sobol_indices.py has Sobol indices",
+    "draws": "use `draw` and `run`, or impact with draws=16",
+    "sensitivity": "use `measure_first`, or `sweep` over one key; examples/sobol_indices.py has Sobol indices",
 }
 
 if TYPE_CHECKING:

@@ -83,6 +83,7 @@ def make_row(
     sizes = {"elements": len(corners), "nodes": len(places), "rings": len(outline)}
     found = BodyRow.zeros(**sizes, partners=partners)
     profile = Profile(**Profile.zeros(rings=len(outline)) | {"force": found["ring_force"][0]})
+    # in equal parts, as forces: a body that is pushed evenly from behind moves evenly, on its axis too
     mass = np.bincount(corners.ravel(), np.repeat(0.25 * masses, 4), len(places))
     found |= {
         "corners": np.ascontiguousarray(corners),

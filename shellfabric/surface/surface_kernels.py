@@ -36,7 +36,11 @@ LEAST_PART = 1e-6  # of a share, so that a push always goes to some node
 
 @kernel(_nrt=False, forceinline=True)
 def quadratic_weights(r):
-    """Compute the weights B of a node and its two neighbours, at r elements from it."""
+    """Compute the weights B of a node and its two neighbours, at r elements from it.
+
+    They are at least 0 and their sum is 1: a point lies in the convex hull of its nodes, and fabric
+    that is flat and even stays so.
+    """
     low = 0.5 - r
     high = 0.5 + r
     return 0.5 * low * low, 0.75 - r * r, 0.5 * high * high

@@ -83,7 +83,6 @@ RECORDS = {
 SCENES = RECORDS | {
     "ply.toml": PLY,
     "pack.toml": PLY.replace('"20 mm"\n', '"20 mm"\nplies = 2\n'),
-    "accuracy.toml": PLY + '\n[accuracy]\nquantity = "deflection"\nuncertainty = "10 %"\n',
     "coupon.toml": '[fabric]\nname = "glass-balanced"\n\n[biaxial]\nstrain = ["0.4 %", "0.2 %"]\ncentre = 4\narm = 3\n'
     "\n[run]\nsteps = 2\n",
     "tests.csv": "velocity [m/s], outcome\n60, PP\n200, CP\n",
@@ -101,11 +100,10 @@ GROUPS = {
         "impact ply.toml --out ply",
         "cite ply --out ply.bib",
         "impact pack.toml --out pack",
-        "impact accuracy.toml --out accuracy",
         "coupon coupon.toml --out coupon",
         "biaxial S-720 --out biaxial",
         "critical-velocity ply.toml --tolerance 20m/s --residual-shots 0 --jobs 1 --out limit",
-        "reduce tests tests.csv ply.toml --tolerance 20m/s --jobs 1 --out tests",
+        "reduce tests tests.csv --out tests",
         "compare S-720 S-728 --shots 4 --opening 30.6mm --jobs 1 --seed 2 --out compare",
         "plies S-720 --stop 'FSP 1.10 g' --at 150m/s --opening 30.6mm --shots 4 --jobs 1 --out plies",
         "v50 S-720 --shots 8 --batch 4 --jobs 1 --opening 30.6mm --seed 2 --out v50",

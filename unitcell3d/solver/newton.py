@@ -88,7 +88,8 @@ class Newton:
     A step overshoots where the residual's pull along it has turned round, r(q + dq) . dq > -1/2 r .
     dq, and is shortened to where that has gone (false position and bisection in turn). The law is
     all but a potential (its tangent is unsymmetric by 4e-4 at most), so that this is nearly the
-    least energy on the line; fibres at their slack kink and contact that closes otherwise send
+    least energy on the line: a residual that grows on the way, as where yarns swing taut, does not
+    stop it. Fibres at their slack kink and contact that closes otherwise send
     Newton's method round in cycles. The shift grows with the inverse root of the rest of a step.
 
     A factorisation costs as much as thirty back substitutions. Once the residual is below `NEAR` of

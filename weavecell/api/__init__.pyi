@@ -21,7 +21,6 @@ from weavecell.api.coupons import coupon as coupon
 from weavecell.api.crossover_result import CrossoverResult as CrossoverResult
 from weavecell.api.exports import DeckResult as DeckResult
 from weavecell.api.exports import export as export
-from weavecell.api.laboratory_tests import TestsBesideShots as TestsBesideShots
 from weavecell.api.laboratory_tests import TestsResult as TestsResult
 from weavecell.api.laboratory_tests import reduce_tests as reduce_tests
 from weavecell.api.limits import CriticalVelocityResult as CriticalVelocityResult

@@ -175,8 +175,7 @@ def compare(
     "better", "worse", or "not decided" with the number of shots that would decide.
 
     Of the input files these keys are ignored: title, projectile.strike_velocity, run.end_time,
-    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
-    [accuracy] are rejected.
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] is rejected.
 
     The folder `out` then has report.html, difference.json, difference.csv, difference.svg, a/ and b/
     with the results of each, and runs/ with a file for each run.

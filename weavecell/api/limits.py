@@ -172,7 +172,7 @@ def critical_velocity(
     The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and 5.5 mm. A
     shot ends with its outcome, so these keys of an input file are ignored: title,
     projectile.strike_velocity, run.end_time, backing.after_stop, run.snapshot_interval,
-    run.checkpoint_interval, run.outputs. [history] and [accuracy] are rejected.
+    run.checkpoint_interval, run.outputs. [history] is rejected.
 
     The folder `out` then has report.html, critical-velocity.json, shots.csv, residual-velocity.svg,
     scene.toml, and runs/ with a file for each shot, from which `resume` goes on. If the search
@@ -443,8 +443,6 @@ class CriticalVelocityResult(StudyResult):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed."""
-        from weavecell.studies import regression_line
-
         limit = self.limit
         count = len(limit.shots)
         if limit.mixed_zone is None:
@@ -475,8 +473,6 @@ class CriticalVelocityResult(StudyResult):
         if not fit.reason:
             rms = f", rms {fit.residual_rms:.1f} m/s"
         lines.append(f"Lambert-Jonas: {fit.words()}{rms}")
-        if self.critical_velocity is not None:
-            lines += regression_line.remarks(self.target.setup, self.critical_velocity)
         return lines
 
 

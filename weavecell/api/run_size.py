@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from weavecell.api.target import Target
     from weavecell.scenes.impact import Scene
 
-# lowest and highest CPU time [s] of an element and step
+# lowest and highest CPU time [s] of an element and step: one ply of S-720, 2 and 4 plies of S-726 and S-728, clay and
+# gelatine, over 60 to 600 us
 COSTS = {"one ply": (20e-9, 60e-9), "pack": (90e-9, 230e-9)}
 # of a ply of a pack and step, beside its elements, and what a body of metal adds to it [s]
 OF_A_PLY = 0.2e-3, 0.5e-3

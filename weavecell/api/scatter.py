@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from math import inf, nan
+from dataclasses import asdict, dataclass
+from math import nan
 from typing import TYPE_CHECKING, Any, Unpack
 
 from fabrics.base.checks import FilePath
@@ -126,9 +126,6 @@ def v50(
     batch: int | None = None,
     within: float | str | None = None,
     check: bool = False,
-    weibull_shape: float | None = None,
-    modulus_cov: float | str | None = None,
-    crimp_cov: float | str | None = None,
     seed: int = 1,
     **options: Unpack[StudyKeywords],
 ) -> V50Plan:
@@ -139,8 +136,7 @@ def v50(
     resolved yarns unless the input pins them. Shots that become unstable, or neither stop nor perforate, are
     left out of all estimates. The set-up of a fabric is one ply of 203 mm, clamped, and a flat cylinder of 3 g and
     5.5 mm. These keys of an input file are ignored: title, projectile.strike_velocity, run.end_time,
-    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] and
-    [accuracy] are rejected.
+    backing.after_stop, run.snapshot_interval, run.checkpoint_interval, run.outputs; [history] is rejected.
 
     The folder `out` then has report.html, v50.csv, v50.json, v50.png, shots.csv, scene.toml, and
     runs/ with a file for each shot. If yarns are resolved, shots.csv has the drawn impact points.
@@ -153,10 +149,6 @@ def v50(
     batch : shots of a round; outcomes so far decide the velocities of the next round. If not given 2
     within : fire no more shots once the interval of V50 is so narrow, half of it over V50, such as "5 %"
     check : run nothing and write nothing: forecast shots and CPU time
-    weibull_shape : Weibull shape of the yarns' strength, inf for yarns of one strength; this and the
-        next two are those of weavecell/studies/inputs.toml if they are not given
-    modulus_cov : coefficient of variation of the modulus from panel to panel
-    crimp_cov : coefficient of variation of the crimp from panel to panel
     seed : seed of all random numbers; the same seed draws the same panels
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
@@ -180,17 +172,7 @@ def v50(
     from weavecell.runs import v50 as analysis
     from weavecell.studies import inputs, strengths
 
-    if weibull_shape is not None and weibull_shape != inf:
-        weibull_shape = quantities.read_positive(weibull_shape, "", "weibull_shape")
-    own: dict[str, Any] = {"shape": weibull_shape}
-    for key, value in (("modulus", modulus_cov), ("crimp", crimp_cov)):
-        if value is None:
-            own[key] = None
-        else:
-            own[key] = quantities.number(value, "", f"{key}_cov")
-    scatter = replace(
-        inputs.read_scatter(), **{key: value for key, value in own.items() if value is not None}
-    )
+    scatter = inputs.read_scatter()
     narrow = 0.0
     if within is not None:
         narrow = quantities.read_positive(within, "", "within")
@@ -328,8 +310,6 @@ class V50Result(DrawnStudy):
 
     def lines(self) -> list[str]:
         """Write the lines that are printed: shots, curves, the limit without scatter, assumptions."""
-        from weavecell.studies import regression_line
-
         study = self.study
         scatter = study.scatter
         shots = study.shots
@@ -344,7 +324,6 @@ class V50Result(DrawnStudy):
             remarks.append(
                 f"Shares of the spread, which few shots rank at best: {', '.join(shares)}."
             )
-            remarks += regression_line.remarks(self.target.setup, self.v50)
         remarks.append(f"{study.six_shots.words()}.")
         fastest = max(stops, default=nan)
         slowest = min(perforations, default=nan)

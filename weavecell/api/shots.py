@@ -86,7 +86,6 @@ class ShotPlan(Plan["ShotResult"]):
     Parameters
     ----------
     target : Target
-    accuracy : (quantity, uncertainty that is asked of it) of [accuracy]; None without
     uncertainty : whether a finer mesh is run too
     draws, seed : number of drawn shots beside it, and of all that is drawn
     written : whether files and pictures are made, which take memory
@@ -96,7 +95,6 @@ class ShotPlan(Plan["ShotResult"]):
     runs = ""
 
     target: Target
-    accuracy: tuple[str, float] | None
     uncertainty: bool
     draws: int
     seed: int
@@ -135,10 +133,6 @@ class ShotPlan(Plan["ShotResult"]):
             panel.setup, panel.shot_title, written=self.written, scene=panel.scene
         )
         choices = dict(size.said.choices)
-        if self.accuracy is not None:
-            quantity, uncertainty = self.accuracy
-            wanted = f"{quantity.replace('_', ' ')} to within {uncertainty:g}"
-            choices["mesh refined for"] = wanted
         if self.uncertainty:
             choices["meshes"] = "two, for the error of the first"
         size = replace(size, said=replace(size.said, choices=tuple(choices.items())))
@@ -154,8 +148,8 @@ class ShotPlan(Plan["ShotResult"]):
     def run(self, running: Running) -> ShotResult:
         """Fire, run what else the answer rests on, and write all of it."""
         shooting = Shooting(self.target, running.folder, running.how.resume)
-        if self.accuracy is not None or self.uncertainty:
-            result, running.failure = shooting.compare_meshes(self.accuracy)
+        if self.uncertainty:
+            result, running.failure = shooting.compare_meshes()
         else:
             result, running.failure = shooting.fire()
         if self.draws and running.failure is None:
@@ -202,9 +196,8 @@ def impact(
     It is one shot: each friction that nobody gave is in the middle of its range, and the nose strikes half-way
     between a gap and a crossover, with resolved yarns, unless the input says otherwise.
 
-    A shot that is still in flight at the end time is a result with the outcome "in flight". An
-    input file with a table [accuracy] is run on finer and finer meshes, until the uncertainty of
-    one quantity is within its target. A key of the input file that cannot be honoured is rejected.
+    A shot that is still in flight at the end time is a result with the outcome "in flight". A key of the
+    input file that cannot be honoured is rejected.
 
     The folder then holds report.html, summary.json, histories.h5, panel.pvd with ``panel/*.vtu``,
     pictures/ and scene.toml; while the run goes on, checkpoint.h5.
@@ -245,21 +238,13 @@ def impact(
     ('in flight', 148)
     """
     panel = resolve_target(target, options, "shot", velocity, function="impact", one_shot=True)
-    accuracy = None
-    if panel.case is not None and panel.case.scene.accuracy is not None:
-        wanted = panel.case.scene.accuracy
-        accuracy = wanted.quantity, wanted.uncertainty
-    if accuracy and uncertainty:
-        raise InputError(
-            key="uncertainty", allowed="left out with [accuracy], which compares its meshes"
-        )
     # a report describes the panel by what was built from an input file
     if panel.case is None and out is not None:
         raise InputError(
             key="out", allowed="left out beside a set-up: an input file, or a fabric, has a report"
         )
     count = quantities.read_whole(draws, "draws", 0)
-    if not (accuracy or uncertainty):
+    if not uncertainty:
         panel = panel.nominal()
     elif count:
         raise InputError(key="draws", value=draws, allowed="left out of several meshes")
@@ -272,7 +257,7 @@ def impact(
             strengths.check_places(table.as_fired(panel.setup), inputs.read_scatter(), seed, count)
     else:
         quantities.refuse_unused({"seed": seed}, f"without {option('draws', '')}")
-    return ShotPlan(panel, accuracy, uncertainty, count, seed or 1, out is not None)
+    return ShotPlan(panel, uncertainty, count, seed or 1, out is not None)
 
 
 @dataclass(frozen=True)
@@ -299,18 +284,11 @@ class Shooting:
         """
         return self._result(self.shoot(self.target.setup), self.target)
 
-    def compare_meshes(
-        self, accuracy: tuple[str, float] | None
-    ) -> tuple[ShotResult, UnstableError | None]:
-        """Fire as `fire` on finer and finer meshes until `accuracy` is met, or on a pair of meshes
-        without one; the result is that of the mesh that counts."""
+    def compare_meshes(self) -> tuple[ShotResult, UnstableError | None]:
+        """Fire as `fire` on a pair of meshes; the result is that of the target's own."""
         from weavecell.studies import mesh_uncertainty
 
-        setup = self.target.setup
-        if accuracy is None:
-            shot, pair = mesh_uncertainty.run_pair(setup, self.shoot_with_window)
-        else:
-            shot, pair = mesh_uncertainty.refine(setup, *accuracy, self.shoot_with_window)
+        shot, pair = mesh_uncertainty.run_pair(self.target.setup, self.shoot_with_window)
         return self._result(shot, self.target, pair=pair)
 
     def _result(self, shot, target, **more):

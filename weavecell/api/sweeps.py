@@ -20,8 +20,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-import numpy as np
-
 from fabrics import plausible
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
@@ -67,7 +65,6 @@ if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
     from weavecell.scenes.fabric_table import Reader
 
-SEED = "panel.strength.seed"
 # what a notebook shows of each shot
 _SHOWN = (
     "fabric",
@@ -95,7 +92,6 @@ class SweepPlan(Plan["SweepTable"]):
     quantity : "shot", "critical-velocity" or "v50"
     tolerance : [m/s] of the bracket of a limit, None for the usual one
     shots, seed : of a V50
-    one_at_a_time : whether each row but the first changes one key
     """
 
     files = NAMES
@@ -107,7 +103,6 @@ class SweepPlan(Plan["SweepTable"]):
     tolerance: float | None
     shots: int
     seed: int
-    one_at_a_time: bool
 
     @property
     def target(self) -> Target:
@@ -144,7 +139,7 @@ class SweepPlan(Plan["SweepTable"]):
         for changes, panel, row in zip(self.combinations, self.panels, rows):
             areal_density = {"areal_density_kg_m2": panel.setup.areal_density}
             table.append(dict.fromkeys(self.keys) | changes | areal_density | row)
-        result = SweepTable(self.quantity, self.keys, tuple(table), self.panels, self.one_at_a_time)
+        result = SweepTable(self.quantity, self.keys, tuple(table), self.panels)
         return running.save(result)
 
     def _compute_rows(self, running):
@@ -208,7 +203,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
     tolerance: float | str | None = None,
     shots: int | None = None,
     seed: int | None = None,
-    one_at_a_time: bool = False,
     check: bool = False,
     out: FilePath | None = None,
     **options: Unpack[ResumableKeywords],
@@ -218,8 +212,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
 
     All combinations are checked before the first is computed. Ignored keys of the input file:
     title, run.snapshot_interval, run.checkpoint_interval, run.outputs, and for a limit or V50
-    projectile.strike_velocity, run.end_time and backing.after_stop; [history] and [accuracy] are
-    rejected.
+    projectile.strike_velocity, run.end_time and backing.after_stop; [history] is rejected.
 
     The folder then holds report.html, sweep.csv, sweep.json, sweep.png (against areal density, of
     numbers of plies), scene.toml, and runs/, a file for each finished run.
@@ -240,8 +233,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         interval
     shots : of a V50, number of shots; if not given 16
     seed : of a V50, of all that is drawn; if not given 1
-    one_at_a_time : compute the input file as it is, and then each value alone, in place of all
-        combinations
     check : run nothing and write nothing: forecast shots and CPU time
     out : folder of the results; in Python None writes nothing. Of set-ups nothing is written
     **options : jobs, executor and resume
@@ -335,7 +326,7 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         if any(passed.get(name) == "" for name in with_tables(key)):
             allowed = f"left out: {quantity} does not read it, and all rows would be alike"
             raise InputError(key=f"over, {key}", value=values, allowed=allowed)
-    combinations = _combinations(keys, one_at_a_time)
+    combinations = [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
     panels = [_panel(target, Path(out or "."), reader, each, in_si) for each in combinations]
     for panel in panels:
         if quantity == "v50":
@@ -351,7 +342,6 @@ def sweep(  # type: ignore[misc]  # `out` is one of its options too
         width,
         count,
         first,
-        one_at_a_time,
     )
     _refuse_alike(plan)
     return plan
@@ -396,13 +386,6 @@ def _list_setups(target):
         allowed = "an input file, a fabric, a set-up of `setup`, or a list of set-ups"
         raise InputError(key="target", value=target, allowed=allowed)
     return listed
-
-
-def _combinations(keys, one_at_a_time):
-    """{key: value} of each row: all combinations, or nothing and then each value alone."""
-    if one_at_a_time:
-        return [{}] + [{key: value} for key, values in keys.items() for value in values]
-    return [dict(zip(keys, values)) for values in itertools.product(*keys.values())]
 
 
 def _panel(target, folder, reader, changes, in_si):
@@ -461,7 +444,7 @@ def _over(key, values):
 def _say_changes(changes):
     """What a row changes, in words."""
     said = (f"{_say_key(key)} {_with_unit(key, value)}" for key, value in changes.items())
-    return ", ".join(said) or "input file"
+    return ", ".join(said)
 
 
 def _say_key(key):
@@ -526,8 +509,6 @@ class SweepTable(StudyResult):
     keys : of the input file
     rows : {key or name of a result: value} of each combination
     targets : the Target of each
-    one_at_a_time : whether the first row is the input file, and each other row changes one key, the
-        others being None
 
     Examples
     --------
@@ -542,7 +523,6 @@ class SweepTable(StudyResult):
     keys: tuple[str, ...]
     rows: tuple[dict[str, Any], ...]
     targets: tuple[Target, ...]
-    one_at_a_time: bool = False
 
     @property
     def target(self) -> Target:  # type: ignore[override]
@@ -635,10 +615,6 @@ class SweepTable(StudyResult):
         from weavecell.report import pictures_uncertainty
 
         quantity = self._drawn
-        if self.one_at_a_time:
-            return pictures_uncertainty.one_at_a_time(
-                pyplot, list(map(self._changes, self.rows)), self.to_dataframe(), quantity
-            )
         x, label = self._abscissa()
         return pictures_uncertainty.sweep(
             pyplot, x, label, self.to_dataframe(), self._varied[1:], quantity
@@ -646,7 +622,7 @@ class SweepTable(StudyResult):
 
     def _changes(self, row):
         """The keys that a row changes, of those that vary, in words."""
-        return _say_changes({key: row[key] for key in self._varied if row[key] is not None})
+        return _say_changes({key: row[key] for key in self._varied})
 
     def _abscissa(self):
         """(values, label) of the first key that varies: numbers with their unit, areal densities for numbers of
@@ -673,23 +649,6 @@ class SweepTable(StudyResult):
         unit = unit_of(entries(scenes.Scene)[key]) or "1"
         _, factor = display.choose_unit(unit)
         return [factor * value for value in values], display.heading(words, unit)
-
-    def _scatter(self):
-        """Mean, standard deviation and standard error of the residual velocity over seeds, a line a
-        group of shots."""
-        table = self.to_dataframe()
-        table = table[table["outcome"] != "unstable"]
-        others = [key for key in self.keys if key != SEED and table[key].nunique() > 1]
-        for name, shots in table.groupby(others or (lambda _: ""), dropna=False):
-            residual = shots["residual_velocity_m_s"].astype(float)
-            count = len(shots)
-            deviation = residual.std()
-            perforated = int((shots["outcome"] == "perforated").sum())
-            group = ", ".join(f"{key} = {value}" for key, value in zip(others, np.atleast_1d(name)))
-            yield (
-                f"{group or 'all seeds'}: residual velocity {residual.mean():.4g} ± {deviation / count**0.5:.4g} m/s "
-                f"(mean and standard error), standard deviation {deviation:.4g} m/s; {perforated} of {count} perforated"
-            )
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}, as `StudyResult` does."""
@@ -718,8 +677,6 @@ class SweepTable(StudyResult):
             if row.get("checks", "").startswith("doubtful"):
                 doubt = f", {row['checks']}"
             lines.append(f"{self._changes(row)}: {words}{doubt}")
-        if SEED in self.keys and quantity.column == "residual_velocity_m_s":
-            lines += self._scatter()
         return lines
 
 

@@ -46,7 +46,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
         "opening",
         "stacking",
     ),
-    "reduce tests": ("reduce_tests", "tests.csv examples/S-728-pack.toml"),
+    "reduce tests": ("reduce_tests", "tests.csv"),
     "reduce compression": (
         "reduce_compression",
         "one.csv --pack 4=four.csv --rig rig.csv --platen-area '361 mm^2' --cell-of S-728",
@@ -61,7 +61,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "crossover path": ("crossover.path", "S-720 --path examples/crossover-path.csv"),
     "crossover shear": ("crossover.shear", "S-720 --shear-angle '50 deg' --mesh coarse"),
     "crossover pull-out": ("crossover.pull_out", "S-720 --friction 0.2"),
-    "v50": ("v50", "S-720 --shots 200 --weibull-shape 14.3", "opening", "grading"),
+    "v50": ("v50", "S-720 --shots 200", "opening", "grading"),
     "next": ("measure_first", "results/v50-S-720"),
     "sweep": ("sweep", "pack.toml --over panel.plies=2,4,8 --quantity critical-velocity"),
     "export": ("export", "examples/S-720-stops.toml --to lsdyna --units g-mm-ms"),

@@ -1,24 +1,21 @@
-"""The discretisation uncertainty of a scene's results (`--uncertainty`, [accuracy]): words,
-summary, section."""
+"""The discretisation uncertainty of a scene's results (`--uncertainty`): words, summary, section."""
 
 from __future__ import annotations
 
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics.base.counted import counted
 from fabrics.base.tables import WORDS, read_table
 from weavecell.report.page import Section, Table
-from weavecell.results import display
 from weavecell.results.named_value import NamedValue
 
 if TYPE_CHECKING:
     from weavecell.studies.mesh_uncertainty import Discretisation
 
 _INDEX = (
-    "Uncertainty of the results {} by the grid convergence index of ASME V&V 20, from two meshes with an assumed order "
-    "of 2 and a safety factor of 3, of the largest difference of their histories{}."
+    "Uncertainty of the results on the mesh of the input file by the grid convergence index of ASME V&V 20, from two "
+    "meshes with an assumed order of 2 and a safety factor of 3, of the largest difference of their histories{}."
 )
 AGAINST_TESTS = Path(__file__).with_name(
     "against_tests.csv"
@@ -37,14 +34,14 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
         results[interval.name] = {
             "unit": interval.unit,
             "value": interval.value,
-            pair.other: interval.other,
+            "finer": interval.other,
             "uncertainty": interval.uncertainty,
         }
         if window is not None:
             of_value, of_other = interval.standard_errors
             results[interval.name] |= {
                 "standard_error": of_value,
-                f"{pair.other}_standard_error": of_other,
+                "finer_standard_error": of_other,
             }
     entries: dict[str, Any] = {}
     if window is not None:
@@ -54,16 +51,6 @@ def summary(pair: Discretisation | None) -> dict[str, Any]:
         "outcomes": list(pair.outcomes),
         "results": results,
     }
-    if pair.quantity:
-        uncertainty = None
-        if pair.intervals:
-            uncertainty = pair.uncertainty
-        entries["accuracy"] = {
-            "quantity": pair.quantity,
-            "target": pair.target,
-            "uncertainty": uncertainty,
-            "confirmed": pair.confirmed,
-        }
     return entries
 
 
@@ -92,12 +79,12 @@ def words(pair: Discretisation) -> str:
         for average, value in _list_means(window):
             at_strike = f"{value.cell()} at {window.strike_velocity:g} m/s"
             lines.append(f"  {average.name} {average.text()} ({at_strike})")
-    lines.append(f"discretisation uncertainty, from {' and '.join(pair.meshes[-2:])}:")
+    lines.append(f"discretisation uncertainty, from {' and '.join(pair.meshes)}:")
     lines += [f"  {line}" for line in _outcomes(pair)]
     for result, other in _list_results(pair):
-        on_other = f"{other.cell()} on the {pair.other} mesh; no test"
+        on_other = f"{other.cell()} on the finer mesh; no test"
         lines.append(f"  {mean}{result.name} {result.text()} ({on_other})")
-    return "\n".join([*lines, *_verdict(pair), *_compare_with_tests(pair)])
+    return "\n".join([*lines, *_compare_with_tests(pair)])
 
 
 def _describe_window(window):
@@ -142,28 +129,13 @@ def _list_results(pair):
 def _outcomes(pair):
     """A line if the outcome, or the outcomes of the window, depend on the mesh."""
     if not pair.same_outcome:
-        first, last = pair.outcomes[-2:]
+        first, last = pair.outcomes
         return [f"the outcome depends on the mesh: {first}, and {last} on the finer one"]
     counts = [window and _counts(window) for window in (pair.windows[0], pair.windows[-1])]
     if counts[0] == counts[1]:
         return []
-    words = "{}, and {} on the {} one".format(*counts, pair.other)
+    words = "{}, and {} on the finer one".format(*counts)
     return [f"outcomes in the window depend on the mesh: {words}"]
-
-
-def _verdict(pair):
-    """A line that says whether the target is met."""
-    if not pair.quantity:
-        return []
-    verdict = "NOT confirmed, on the finest mesh that there is"
-    if pair.confirmed:
-        verdict = "confirmed"
-    uncertainty = "not known"
-    if pair.uncertainty < inf:
-        uncertainty = display.text(pair.uncertainty, "%", ".2g")
-    target = display.text(pair.target, "%", ".2g")
-    quantity = pair.quantity.replace("_", " ")
-    return [f"accuracy {verdict}: {pair.meshes[-1]}; {quantity} {uncertainty} (target {target})"]
 
 
 def _compare_with_tests(pair):
@@ -190,18 +162,14 @@ def section(pair: Discretisation) -> Section:
     window = pair.windows[0]
     tables = []
     sentences = []
-    for line in (*_verdict(pair), *_outcomes(pair), *_compare_with_tests(pair)):
+    for line in (*_outcomes(pair), *_compare_with_tests(pair)):
         sentences.append(f"{line[0].upper()}{line[1:]}.")
     if pair.intervals:
-        heads = ["result", pair.meshes[-2], pair.meshes[-1], "uncertainty"]
-        mesh = "on the mesh of the input file"
+        heads = ["result", *pair.meshes, "uncertainty"]
         of_means = ""
-        if pair.other == "coarser":
-            heads[1:3] = pair.meshes[-1], pair.meshes[-2]
-            mesh = "on the finer mesh"
         if window is not None:
             of_means = _MEANS
-        sentences.append(_INDEX.format(mesh, of_means))
+        sentences.append(_INDEX.format(of_means))
         rows = []
         for result, other in _list_results(pair):
             value, uncertainty = result.numbers()
@@ -216,7 +184,4 @@ def section(pair: Discretisation) -> Section:
         ]
         caption = f"Means: {_describe_window(window)}"
         tables.append(Table.from_frame(DataFrame(means, columns=heads), caption))
-    if pair.quantity:
-        runs = DataFrame({"mesh": pair.meshes, "outcome": pair.outcomes})
-        tables.append(Table.from_frame(runs, "Meshes that were run"))
     return Section("discretisation", "Discretisation uncertainty", lead, (), tuple(tables))

@@ -282,14 +282,12 @@ def _draw_velocity_axes(pyplot, title, low, high):
     return figure, axes
 
 
-def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -> Any:
-    """Draw residual against strike velocity of tests and of computed shots, V50 and the critical
-    velocity.
+def draw_tests(pyplot: Any, title: str, tests: Any) -> Any:
+    """Draw residual against strike velocity of tests, with their V50.
 
     Parameters
     ----------
     tests : weavecell.runs.laboratory_tests.ReducedTests
-    comparison : weavecell.runs.laboratory_tests.Comparison; None of tests alone
     """
     table = tests.table
     strike = tests.table["strike_velocity_m_s"]
@@ -298,10 +296,6 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
     if tests.posterior is not None:
         v50 = tests.posterior.velocities["V50"]
         velocities.append(v50.value)
-    fits = [(tests.lambert_jonas, STEEL, "tests, Lambert-Jonas")]
-    if comparison is not None:
-        velocities += [comparison.limit.low, comparison.limit.high]
-        fits.append((comparison.computed, BLUE, "computed, Lambert-Jonas"))
     low = 0.94 * min(velocities)
     high = 1.02 * max(velocities)
     figure, axes = _draw_velocity_axes(pyplot, title, low, high)
@@ -310,12 +304,9 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
         axes.axvspan(start, end, color=STEEL, alpha=0.25, lw=0)
         words = f"V50 of the tests\n{v50.value:.1f} m/s\n(grey: 90 % interval)"
         axes.axvline(v50.value, color=STEEL, lw=1.5, label=words)
-    if comparison is not None:
-        words = f"computed critical\nvelocity {comparison.limit.velocity:.1f} m/s"
-        axes.axvline(comparison.limit.velocity, color=ORANGE, lw=1.5, label=words)
-    for fit, color, words in fits:
-        if not fit.reason:
-            axes.plot(*fit.sample(high), color=color, lw=1.2, label=words)
+    fit = tests.lambert_jonas
+    if not fit.reason:
+        axes.plot(*fit.sample(high), color=STEEL, lw=1.2, label="tests, Lambert-Jonas")
     for outcome, fill in (("perforated", STEEL), ("stopped", "white")):
         residual = table["tested_residual_velocity_m_s"].where(table["tested"] == outcome).dropna()
         axes.plot(
@@ -327,8 +318,5 @@ def draw_tests_and_shots(pyplot: Any, title: str, tests: Any, comparison: Any) -
             mec=STEEL,
             label=f"test, {outcome}",
         )
-    if comparison is not None:
-        computed = comparison.table["computed_residual_velocity_m_s"]
-        axes.plot(strike, computed, "o", ms=6, color=BLUE, mec="white", label="computed", zorder=3)
     legend_beside(axes, labelspacing=0.9)
     return figure

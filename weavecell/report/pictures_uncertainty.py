@@ -11,7 +11,6 @@ import numpy as np
 from weavecell.report.pictures_style import (
     BLUE,
     COLOURS,
-    FAINT,
     GREEN,
     INK,
     ORANGE,
@@ -151,27 +150,6 @@ def sweep(
     axes.margins(x=0.05)
     if others:
         axes.legend(loc="best")
-    return figure
-
-
-def one_at_a_time(pyplot: Any, changes: Sequence[str], table: DataFrame, quantity: Quantity) -> Any:
-    """Draw a quantity of each row of a sweep, with what the row changes at its side; the first row
-    changes nothing."""
-    figure, axes = pyplot.subplots(figsize=(9, 1.8 + 0.42 * len(changes)))
-    if quantity.is_span:
-        assert quantity.ends is not None
-        low, high = (table[end].astype(float) for end in quantity.ends)
-        axes.hlines(range(len(changes)), low, high, color=BLUE, lw=5)
-        # of two ends that are one
-        axes.plot(low, range(len(changes)), "|", color=BLUE, ms=12, mew=2)
-        axes.axvspan(low[0], high[0], color=FAINT, alpha=0.25, lw=0)
-    else:
-        values = table.reindex(columns=[quantity.column])[quantity.column].astype(float)
-        axes.plot(values, range(len(changes)), "o", color=BLUE)
-        axes.axvline(values[0], color=FAINT, lw=1)
-    axes.set_yticks(range(len(changes)), changes)
-    axes.invert_yaxis()
-    axes.set(xlabel=label_quantity(quantity))
     return figure
 
 

@@ -150,7 +150,6 @@ OF_KINDS = (
         "difference",
         "sweep",
         "tests",
-        "comparison",
     ),
     *("compression", "shot", "coupon", "biaxial", "law", "surface", "case", "mesh"),
 )

@@ -57,7 +57,6 @@ class Kind(NamedTuple):
 # {JSON file: kind of result}; a folder has the first that is there
 KINDS = {
     "difference.json": Kind("difference", "difference.csv"),
-    "comparison.json": Kind("comparison", "shots.csv"),
     "critical-velocity.json": Kind("critical_velocity", "shots.csv"),
     "v50.json": Kind("v50", "shots.csv"),
     "plies.json": Kind("ply_counts", "plies.csv"),

@@ -1,16 +1,12 @@
-"""Shots of a laboratory, and how a computed limit and computed residual velocities compare with
-them."""
+"""Shots of a laboratory, and the statistics of them."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from math import nan, sqrt
+from math import nan
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from scipy.stats import t as student
 
 from fabrics import plausible
 from fabrics.base import tables
@@ -18,13 +14,11 @@ from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.units import refused
-from shellfabric.membrane.indicator import status
 from shellfabric.shot_keys import FASTEST
 from weavecell.runs import go_no_go
 from weavecell.runs.go_no_go import LimitPosterior, Outcomes
 from weavecell.runs.span import Span
 from weavecell.studies import lambert_jonas, protocol
-from weavecell.studies.ballistic_limit import Limit, Shot
 from weavecell.studies.lambert_jonas import LambertJonas
 from weavecell.studies.protocol import SixShots
 
@@ -48,7 +42,6 @@ ASKED = {
 }
 YES = dict.fromkeys(("1", "yes", "y", "true"), True)
 YES |= dict.fromkeys(("0", "no", "n", "false"), False)
-CONFIDENCE = 0.95  # of what is computed less what was tested
 # tests that come again one after the other are a list that was pasted, not chance
 FEWEST_PASTED = 3
 
@@ -232,101 +225,16 @@ def reduce(tests: DataFrame) -> ReducedTests:
             allowed = f"{FASTEST:g} m/s at most, as projectile.strike_velocity"
             posterior, reason = None, f"these tests put it at {v50:.0f} m/s; must be {allowed}"
     six_shots = protocol.six_shots(velocities, perforated)
-    return ReducedTests(table, posterior, six_shots, _fit(table, "tested", None), reason)
+    return ReducedTests(table, posterior, six_shots, _fit(table), reason)
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """Tests beside computed shots.
-
-    Parameters
-    ----------
-    tests : ReducedTests
-    table : DataFrame, that of the tests with outcomes and residual velocities as computed
-    limit : the computed Limit
-    computed : Lambert-Jonas fit to the computed residual velocities
-    """
-
-    tests: ReducedTests
-    table: DataFrame
-    limit: Limit
-    computed: LambertJonas
-
-    @property
-    def agree(self) -> int:
-        """Number of tests whose outcome was computed."""
-        return int((self.table["tested"] == self.table["computed"]).sum())
-
-    def difference(self) -> dict[str, Any]:
-        """Compute computed less tested residual velocity [m/s] of the tests that perforated and
-        have one.
-
-        Returns
-        -------
-        dict with their number, and where there are two at least mean, its interval of `CONFIDENCE`
-        by Student's t, and rms
-        """
-        tests = self.table[self.table["tested"] == "perforated"]
-        off = (
-            (tests["computed_residual_velocity_m_s"] - tests["tested_residual_velocity_m_s"])
-            .dropna()
-            .to_numpy()
-        )
-        if off.size < 2:
-            return {"shots": int(off.size)} | dict.fromkeys(("mean", "low", "high", "rms"))
-        half = (
-            student.ppf(0.5 + CONFIDENCE / 2, off.size - 1)
-            * float(off.std(ddof=1))
-            / sqrt(off.size)
-        )
-        mean = float(off.mean())
-        rms = float(np.sqrt(np.mean(off**2)))
-        return {
-            "shots": int(off.size),
-            "mean": mean,
-            "low": mean - half,
-            "high": mean + half,
-            "rms": rms,
-        }
-
-    def summary(self) -> dict[str, Any]:
-        """Return all of it as plain numbers, keys with their units."""
-        limit = self.limit
-        off = self.difference()
-        return self.tests.summary() | {
-            "outcomes_that_agree": self.agree,
-            "critical_velocity_m_s": limit.velocity,
-            "bracket_m_s": [limit.low, limit.high],
-            "critical_velocity_over_v50": limit.velocity / self.tests.v50,
-            "residual_velocity_mean_m_s": off["mean"],
-            "residual_velocity_low_m_s": off["low"],
-            "residual_velocity_high_m_s": off["high"],
-            "residual_velocity_rms_m_s": off["rms"],
-            "lambert_jonas_computed": asdict(self.computed),
-        }
-
-
-def compare(tests: DataFrame, shots: Sequence[Shot], limit: Limit) -> Comparison:
-    """Compare tests with the computed shots at their velocities and the computed limit."""
-    reduced = reduce(tests)
-    columns = {
-        "computed": [shot.outcome for shot in shots],
-        "computed_residual_velocity_m_s": [shot.residual_velocity for shot in shots],
-        "checks": [status(shot.checks) for shot in shots],
-    }
-    table = reduced.table.assign(**columns)
-    computed = _fit(table, "computed", limit.velocity if limit.single else None)
-    return Comparison(reduced, table, limit, computed)
-
-
-def _fit(table, kind, limit):
-    """Lambert-Jonas fit to tested or computed shots: stops, and perforations of which the residual
-    velocity is known."""
-    shots = table.dropna(subset=[f"{kind}_residual_velocity_m_s"])
-    residual = shots[f"{kind}_residual_velocity_m_s"].where(shots[kind] == "perforated", 0.0)
-    fit = lambert_jonas.fit(shots["strike_velocity_m_s"], residual, limit=limit)
-    through = int((table[kind] == "perforated").sum())
-    known = int((shots[kind] == "perforated").sum())
+def _fit(table):
+    """Lambert-Jonas fit to stops, and to perforations of which the residual velocity is known."""
+    shots = table.dropna(subset=["tested_residual_velocity_m_s"])
+    residual = shots["tested_residual_velocity_m_s"].where(shots["tested"] == PERFORATED, 0.0)
+    fit = lambert_jonas.fit(shots["strike_velocity_m_s"], residual, limit=None)
+    through = int((table["tested"] == PERFORATED).sum())
+    known = int((shots["tested"] == PERFORATED).sum())
     if fit.reason and known < through:
         reason = f"{through - known} of {counted(through, 'perforation')} have no residual velocity"
         return replace(fit, reason=reason)

@@ -312,29 +312,6 @@ class HistoryTable(Table, HistoryKeys):  # type: ignore[misc] # frozen by its mo
     ] = (5e-3, 20e-3, 50e-3, 80e-3)
 
 
-def _share(meaning):
-    return quantity(meaning, "", "2 %", most="50 %", kind="a share {}")
-
-
-class AccuracyTable(Table):
-    """How well one quantity is to be known: `weavecell impact` refines the mesh until it is.
-
-    [accuracy]
-    quantity = "residual_velocity"
-    uncertainty = "2 %"
-    """
-
-    quantity: one_of(
-        "result whose mesh error is controlled; the uncertainty of a velocity or an energy is a share of the strike "
-        "velocity or energy, of a deflection or a tension a share of its own value",
-        "residual_velocity",
-        "absorbed_energy",
-        "deflection",
-        "peak_tension",
-    ) = "residual_velocity"
-    uncertainty: _share("largest discretisation uncertainty of the quantity")
-
-
 class NumericsTable(Table, NumericsKeys):  # type: ignore[misc] # frozen by its model_config
     """Parameters of the time integration and of the contact with the projectile. The defaults fit
     all fabrics.
@@ -367,14 +344,6 @@ class Scene(Table):
         Unread("limit v50", NO_HISTORY.format("the shots record")),
         Unread("sweep", NO_HISTORY.format("a sweep records")),
         NoPlace("export"),
-    ] = None
-    accuracy: Annotated[
-        AccuracyTable | None,
-        Field(description="a table [accuracy]"),
-        Unread(
-            "limit v50 sweep export",
-            "left out: the shots are computed on the mesh of the input file",
-        ),
     ] = None
     numerics: Annotated[
         NumericsTable,
@@ -430,9 +399,6 @@ class Scene(Table):
         # the mass of a body from a file is checked against its volume there
         if not SHAPES[shot.shape].from_file:
             stl_file.check_mass(shot)
-        if self.accuracy is not None and panel.crossovers != "pinned":
-            words = '"pinned" where the mesh is chosen by [accuracy]'
-            raise InputError(key="panel.crossovers", allowed=words)
         # a response surface belongs to one fabric with one modulus, all yarns alike
         if fabric.surface is None:
             return self

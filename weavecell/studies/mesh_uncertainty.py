@@ -3,12 +3,12 @@ V&V 20-2009 (section 2-4; P. J. Roache, Verification and Validation in Computati
 Engineering, 1998).
 
 The element side near the impact point of the finer mesh is half of the other's, r = 2. With the
-difference d of a result between the two, and its interval phi - U to phi + U,
+difference d of a result between the two, and its interval phi - U to phi + U on the coarser mesh,
 
-    U = F_s d r^p / (r^p - 1) = 4 d  on the coarser mesh,    U = F_s d / (r^p - 1) = d  on the finer.
+    U = F_s d r^p / (r^p - 1) = 4 d.
 
 Two meshes show no order: p is the formal order of the elements, 2, and F_s = 3, as goes with an
-assumed order. `run_pair` states it on the scene's own mesh, `refine` on finer and finer ones.
+assumed order. `run_pair` states it on the scene's own mesh.
 """
 
 from __future__ import annotations
@@ -70,48 +70,33 @@ class Interval:
 
 @dataclass(frozen=True)
 class Discretisation:
-    """What two meshes or more give.
+    """What two meshes give.
 
     Parameters
     ----------
     setup : of the run that counts
-    meshes, outcomes : of all runs, in their order
-    intervals : of the results; none where the outcomes of the last two differ
-    other : the mesh with which that of the results is compared: the "finer" or the "coarser" one
+    meshes, outcomes : of both runs, the mesh that counts first
+    intervals : of the results; none where the outcomes differ
     errors : {quantity: [-] uncertainty}
     windows : of the mesh that counts and of the other; None of a shot that did not perforate
-    quantity, target : of `refine`, what is wanted within which uncertainty [-]; "" of `run_pair`
     """
 
     setup: ImpactSetup
     meshes: tuple[str, ...] = ()
     outcomes: tuple[str, ...] = ()
     intervals: tuple[Interval, ...] = ()
-    other: str = "finer"
     errors: Mapping[str, float] = field(default_factory=dict)
     windows: tuple[Window | None, ...] = (None,)
-    quantity: str = ""
-    target: float = inf
 
     @property
     def same_outcome(self) -> bool:
-        """Whether the last two meshes have the same outcome."""
-        return len(set(self.outcomes[-2:])) == 1
-
-    @property
-    def uncertainty(self) -> float:
-        """[-] of the quantity that is wanted; infinite if it is not known."""
-        return self.errors.get(self.quantity, inf)
-
-    @property
-    def confirmed(self) -> bool:
-        """Whether the uncertainty is within its target."""
-        return self.uncertainty <= self.target
+        """Whether both meshes have the same outcome."""
+        return len(set(self.outcomes)) == 1
 
 
-def index(difference: float, *, of_finer: bool = False) -> float:
+def index(difference: float) -> float:
     """Compute the uncertainty U of a result from its difference d on two meshes, see the module."""
-    return SAFETY * difference * (1.0 if of_finer else RATIO**ORDER) / (RATIO**ORDER - 1)
+    return SAFETY * difference * RATIO**ORDER / (RATIO**ORDER - 1)
 
 
 def finer(setup: ImpactSetup, table: CellTable) -> ImpactSetup:
@@ -204,51 +189,12 @@ def run_pair(setup: ImpactSetup, shoot: Shoot) -> tuple[Shot, Discretisation]:
     return shot, compare(shot, other)
 
 
-def refine(
-    setup: ImpactSetup, quantity: str, target: float, shoot: Shoot
-) -> tuple[Shot, Discretisation]:
-    """Run a scene on its mesh and on finer ones, until the uncertainty of a quantity is within its
-    target.
-
-    The last run counts. A run that became unstable is compared with none.
-    """
-    table = setup.table(kept=True)
-    meshes: list[str] = []
-    outcomes: list[str] = []
-    before: Shot | None = None
-    while True:
-        shot = shoot(setup, table, f"mesh {len(meshes) + 1}")
-        meshes.append(describe_mesh(setup))
-        outcomes.append(shot.result.outcome)
-        comparison = Discretisation(setup, other="coarser", windows=(shot.window,))
-        if before is not None and shot.failure is None:
-            comparison = compare(before, shot, of_finer=True)
-        comparison = replace(
-            comparison,
-            meshes=tuple(meshes),
-            outcomes=tuple(outcomes),
-            quantity=quantity,
-            target=target,
-        )
-        if comparison.confirmed:
-            return shot, comparison
-        # a run that broke off says nothing about the next mesh
-        before = None
-        if shot.failure is None:
-            before = shot
-        try:
-            setup = finer(setup, table)
-        except InputError:
-            # the mesh cannot be refined further
-            return shot, comparison
-
-
-def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisation:
-    """Compare the pair of shots, of which the coarser mesh counts, or the finer."""
+def compare(coarse: Shot, fine: Shot) -> Discretisation:
+    """Compare the pair of shots, of which the coarser mesh counts."""
     counted = coarse.result
     errors = {}
     for name, norm in differences(coarse.result, fine.result).items():
-        errors[name] = index(norm, of_finer=of_finer)
+        errors[name] = index(norm)
     scales = {
         "residual_velocity": counted.setup.strike_velocity,
         "absorbed_energy": counted.strike_energy,
@@ -258,7 +204,7 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
         for quantity, scale in scales.items():
             mean, error = coarse.window.mean(quantity)
             other_mean, other_error = fine.window.mean(quantity)
-            difference = index(abs(other_mean - mean), of_finer=of_finer)
+            difference = index(abs(other_mean - mean))
             errors[quantity] = (difference + hypot(error, other_error)) / scale
     shots = [coarse, fine]
     comparison = Discretisation(
@@ -266,11 +212,8 @@ def compare(coarse: Shot, fine: Shot, *, of_finer: bool = False) -> Discretisati
         meshes=tuple(describe_mesh(shot.result.setup) for shot in shots),
         outcomes=tuple(shot.result.outcome for shot in shots),
         errors=errors,
+        windows=tuple(shot.window for shot in shots),
     )
-    if of_finer:
-        shots.reverse()
-        comparison = replace(comparison, setup=fine.result.setup, other="coarser")
-    comparison = replace(comparison, windows=tuple(shot.window for shot in shots))
     # a mean over a jump would measure where the jump lies
     if not comparison.same_outcome or jumps:
         return comparison

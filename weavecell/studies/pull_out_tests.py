@@ -495,6 +495,9 @@ def reduce(
 def fit(groups: Sequence[PullOutGroup], usual: Sequence[float]) -> FittedFriction:
     """Fit friction and c0 to the peaks of the tests.
 
+    c0 multiplies all peaks nearly alike; mu is told by how much faster than the number of crossings
+    they grow.
+
     Parameters
     ----------
     usual : frictions [-] that stand for all, of which the c0 is told if the tests do not tell both

@@ -5,7 +5,6 @@ import inspect
 import math
 import re
 from dataclasses import replace
-from math import inf
 from pathlib import Path
 from typing import ClassVar
 
@@ -60,7 +59,7 @@ class Remembering:
 
     def __getattr__(self, name):
         value = getattr(wc, name)
-        if name not in ("compare", "critical_velocity", "reduce_tests", "v50"):
+        if name not in ("compare", "critical_velocity", "v50"):
             return value
 
         def call(*words, **options):
@@ -183,9 +182,6 @@ def test_one_law_serves_both_families_of_its_own_fabric(tmp_path):
     assert wc.setup("S-728", 100.0, law=replace(law, fabric="")).laws[0].a == 4e-5
 
 
-SHOTS = Path(__file__).with_name("shots.csv")
-
-
 REFUSED = [  # keywords of a set-up
     ({"velocity": "3 kg"}, "velocity = '3 kg'"),
     ({"plie": 3}, "plie = 3: is not a keyword of setup, did you mean plies?"),
@@ -208,10 +204,6 @@ REFUSED += [
     (lambda: wc.impact("S-720", 100.0, plie=3), "plie = 3: is not a keyword of impact, did you"),
     (lambda: wc.critical_velocity("S-720", plie=3), "plie = 3: is not a keyword of critical_veloc"),
     (lambda: wc.v50("S-720", plie=3), "plie = 3: is not a keyword of v50, did you mean plies?"),
-    (
-        lambda: wc.reduce_tests(SHOTS, "S-720", plie=3),
-        "plie = 3: is not a keyword of reduce_tests, did you",
-    ),
 ]
 REFUSED += [
     (lambda: wc.fabric("S-720", linear_density="o"), "linear_density = 'o': must be effective or"),
@@ -255,9 +247,7 @@ def test_a_wrong_keyword_is_refused_by_the_function_that_was_called(function):
         function("S-720", job=2)
 
 
-@pytest.mark.parametrize(
-    "name", ["compare", "critical_velocity", "impact", "reduce_tests", "setup", "v50"]
-)
+@pytest.mark.parametrize("name", ["compare", "critical_velocity", "impact", "setup", "v50"])
 def test_help_has_every_keyword_with_its_meaning_and_what_is_allowed(name):
     told = " ".join(inspect.getdoc(getattr(wc, name)).split())
     for key, table in keywords.tables().items():
@@ -480,8 +470,7 @@ def test_a_pack_has_a_critical_velocity_and_a_v50(tmp_path):
     )
     (above,) = found.plot().texts
     assert above.get_text().startswith("DOUBTFUL: ")
-    none = {"weibull_shape": inf, "modulus_cov": 0.0, "crimp_cov": 0.0}
-    curve = wc.v50("S-720", shots=12, batch=4, out=tmp_path, **none, **panel)
+    curve = wc.v50("S-720", shots=12, batch=4, out=tmp_path, **panel)
     assert curve.v50 == pytest.approx(found.critical_velocity, abs=20.0)
     assert curve.plot().axes[0].get_ylabel() == "share that passes [-]"
 

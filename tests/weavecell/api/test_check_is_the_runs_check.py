@@ -15,9 +15,6 @@ OPTIONS = {
         "seed",
         "jobs",
         "executor",
-        "weibull_shape",
-        "modulus_cov",
-        "crimp_cov",
     ],
     "critical_velocity": [
         "tolerance",

@@ -13,7 +13,7 @@ from weavecell.cli import app
 from weavecell.results import out_folder
 
 # they have a result, and compute nothing that takes long
-WITHOUT_PLAN = {"reduce compression", "reduce shot", "export", "next"}
+WITHOUT_PLAN = {"reduce tests", "reduce compression", "reduce shot", "export", "next"}
 TARGETS = {
     "ply": {},
     "pack": {"plies": 2},
@@ -44,32 +44,23 @@ OPTIONS = {
     "v50": {
         "batch": [4, 5],
         "within": ["5 %", 0.1],
-        "weibull_shape": [9, 14],
-        "modulus_cov": [0.01, 0.02],
-        "crimp_cov": [0.01, 0.02],
         **OF_V50,
     },
     "compare": {
         **OF_V50,
     },
-    "reduce_tests": {"tolerance": [1, 2]},
 }
 SWEPT = {
     "tolerance": [1, 2],
     "shots": [8, 9],
     "seed": [1, 2],
-    "one_at_a_time": [True, False],
 }
 
 
 @pytest.fixture
-def arguments(tmp_path):
+def arguments():
     """What comes first in a call of a command."""
-    tests = tmp_path / "tests.csv"
-    tests.write_text("velocity [m/s], outcome\n60, PP\n120, CP\n")
-    shot = ["S-720", "90 m/s"]
-    others = {"compare": ["S-720", "S-728"], "reduce_tests": [str(tests), "S-720"]}
-    return others | {"impact": shot}
+    return {"compare": ["S-720", "S-728"], "impact": ["S-720", "90 m/s"]}
 
 
 @pytest.mark.parametrize("name", OPTIONS)

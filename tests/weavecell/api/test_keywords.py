@@ -15,13 +15,13 @@ TABLES = [name for name, entry in Scene.model_fields.items() if [*tables_in(entr
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_a_table_is_keywords_or_a_dict_and_only_accuracy_is_neither(name):
+def test_a_table_is_keywords_or_a_dict(name):
     entry = Scene.model_fields[name]
     ways = [kind for kind in (AsKeywords, AsDict) if mark(entry, kind)]
-    assert len(ways) == (name != "accuracy")
+    assert len(ways) == 1
 
 
-@pytest.mark.parametrize("name", [name for name in TABLES if name != "accuracy"])
+@pytest.mark.parametrize("name", TABLES)
 def test_every_key_of_a_table_reaches_the_scene_or_is_for_files_alone(name):
     for key, field in keywords.fields_of(Scene, name).items():
         if mark(field, FileOnly):

@@ -22,7 +22,7 @@ from weavecell.results.result_folder import read_record
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
 SHORT = {"S-720-perforates"}
 # [s] of CPU time
-LONG = {"body-armour": 400, "hybrid-pack": 39, "own-fabric": 39, "S-728-accuracy": 24}
+LONG = {"body-armour": 400, "hybrid-pack": 39, "own-fabric": 39}
 NIGHTLY = 30  # [CPU s] from which an example runs nightly
 
 

@@ -1,6 +1,5 @@
 """`weavecell critical-velocity`: what its shots say, mixed outcomes, errors and the shots before them."""
 
-import json
 import re
 from importlib import resources
 
@@ -116,35 +115,6 @@ def test_an_interrupted_search_goes_on_behind_its_last_shot(command, mixed, monk
     found, _ = read(folder)
     for summary in (whole, found):
         del summary["wall_time_s"], summary["provenance"]
-    assert found == whole
-
-
-def test_shots_beside_tests_go_on_behind_the_last(command, scene, mixed, monkeypatch, tmp_path):
-    (tmp_path / "tests.csv").write_text("velocity [m/s], outcome\n120, PP\n160, CP\n")
-    words = f"reduce tests tests.csv {scene} --jobs 1 --out"
-    assert command(f"{words} whole")[0] == 0
-    fire = ballistic_limit._fire
-    fired = []
-
-    def until(panel, velocity, give_up):
-        if len(fired) == 3:
-            raise KeyboardInterrupt
-        fired.append(velocity)
-        return fire(panel, velocity, give_up)
-
-    with monkeypatch.context() as ending:
-        ending.setattr(ballistic_limit, "_fire", until)
-        assert command(f"{words} r")[0] == 130
-    with monkeypatch.context() as going_on:
-        fired.append(0.0)
-        going_on.setattr(ballistic_limit, "_fire", until)
-        assert command(f"{words} r --resume")[0] == 0
-    assert not set(fired[:3]) & set(fired[4:])
-    found, whole = (
-        json.loads((tmp_path / name / "comparison.json").read_text()) for name in ("r", "whole")
-    )
-    for summary in (found, whole):
-        del summary["provenance"]
     assert found == whole
 
 

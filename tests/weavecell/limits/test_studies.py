@@ -1,4 +1,4 @@
-"""`weavecell sweep`, `v50` and `reduce tests`: tables, resuming, and limits against the number of plies."""
+"""`weavecell sweep` and `v50`: tables, resuming, and limits against the number of plies."""
 
 import re
 import shutil
@@ -11,7 +11,7 @@ import weavecell as wc
 from shellfabric.membrane import quality
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
-from tests.weavecell.written import names, page_of, rows_of, table_of
+from tests.weavecell.written import page_of, rows_of
 from weavecell.api import sweeps
 from weavecell.api.sweeps import SweepTable
 from weavecell.api.target import resolve_target
@@ -199,50 +199,6 @@ def test_a_sweep_says_whether_each_yarn_has_a_drawn_strength(quantity, drawn):
     section = chapters_shot.assumptions(table.fired, (), drawn=table.draws_strengths)
     assert ("it is the same for all yarns" in str(section)) == (not drawn)
     assert ("The whole panel is modelled" in str(section)) == drawn
-
-
-def test_fired_tests_and_computed_shots_stand_side_by_side(succeed, tmp_path):
-    fired = (
-        "velocity [m/s], outcome, residual velocity [m/s]\n60, PP,\n140, CP, 100\n150, CP, 120\n"
-    )
-    (tmp_path / "tests.csv").write_text(fired)
-    (tmp_path / "scene.toml").write_text(toml(SCENES["limit"]))
-    line = "reduce tests tests.csv scene.toml --tolerance '10 m/s' --jobs 1 --out r"
-    out = succeed(line)
-    folder = tmp_path / "r"
-    told = table_of(folder, "comparison.json")
-    assert told["tests"] == 3
-    assert 60 < told["tested_v50_m_s"] < 140
-    shots = rows_of(folder, "shots.csv")
-    assert [row["tested"] for row in shots] == ["stopped", "perforated", "perforated"]
-    assert told["outcomes_that_agree"] == sum(row["tested"] == row["computed"] for row in shots)
-    off = [
-        float(row["computed_residual_velocity_m_s"]) - v for row, v in zip(shots[1:], (100, 120))
-    ]
-    assert abs(told["residual_velocity_mean_m_s"] - sum(off) / 2) < 0.1
-    assert f"outcome as tested in {told['outcomes_that_agree']} of 3 shots" in out
-    assert names(folder) == "comparison.json comparison.svg report.html runs scene.toml shots.csv"
-
-
-def test_one_key_at_a_time_is_the_file_and_then_each_value_alone(tmp_path):
-    scene = {
-        "panel": {"opening": "20 mm"},
-        "run": {"end_time": "10 us"},
-        "projectile": {"strike_velocity": "150 m/s"},
-    }
-    (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], scene)))
-    over = {"areal_density": [1.2], "crimp_warp": [0.8, 1.2], "panel.opening": ["16 mm"]}
-    table = wc.sweep(tmp_path / "scene.toml", over=over, one_at_a_time=True)
-    changed = [[row[key] for key in over] for row in table.rows]
-    alone = [[1.2, None, None], [None, 0.8, None], [None, 1.2, None], [None, None, "16 mm"]]
-    assert changed == [[None] * 3, *alone]
-    given, heavy = table.rows[:2]
-    assert heavy["areal_density_kg_m2"] == pytest.approx(1.2 * given["areal_density_kg_m2"])
-    assert len({row["absorbed_energy_J"] for row in table.rows[:4]}) == 4
-    lines = [line for line in table.lines() if not line.startswith("not in these")]
-    assert lines[0].startswith("input file: ")
-    assert lines[-1].startswith("panel opening 16 mm: ")
-    assert len(table.plot().axes[0].get_yticks()) == 5
 
 
 def test_a_sweep_says_what_came_of_the_keys_that_vary(tmp_path):

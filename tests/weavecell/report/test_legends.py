@@ -176,34 +176,27 @@ def test_a_limit(single):
     refuse_untold(figure, fields_of(data | zone), ["stopped residual"])
 
 
-@case(pictures.draw_tests_and_shots)
-def shots_beside_tests(pyplot):
+@case(pictures.draw_tests)
+def shots_of_tests(pyplot):
     table = pd.DataFrame(
         {
             "strike_velocity_m_s": [70.0, 95.0, 110.0],
             "tested": ["stopped", "perforated", "perforated"],
             "tested_residual_velocity_m_s": [2.0, 31.0, 64.0],
-            "computed_residual_velocity_m_s": [3.0, 27.0, 66.0],
         }
     )
     posterior = Given(velocities={"V50": Span(84.0, 79.0, 88.0)})
     tests = Given(table=table, posterior=posterior, lambert_jonas=curve_of("", 0.3))
-    comparison = Given(
-        table=table, limit=Given(low=90.0, high=92.0, velocity=91.0), computed=curve_of("", 0.6)
-    )
-    figure = pictures.draw_tests_and_shots(pyplot, "both", tests, comparison)
+    figure = pictures.draw_tests(pyplot, "both", tests)
     line = np.linspace(80, 1.02 * 110, 7)
     data = {
         "no loss": lambda V: V,
         "strike velocity": table["strike_velocity_m_s"],
         "test stopped": [2.0],
         "test perforated": [31.0, 64.0],
-        "computed residual": table["computed_residual_velocity_m_s"],
         "tests Lambert-Jonas": (line, 0.3 * line),
-        "computed Lambert-Jonas": (line, 0.6 * line),
         "V50 of the tests": 84.0,
         "V50 interval": (79.0, 88.0, 0.9),
-        "computed critical": 91.0,
     }
     return figure, data
 
@@ -1037,19 +1030,6 @@ def sweep(pyplot):
         ends = table.loc[rows, ["v50_low_m_s", "v50_high_m_s"]].to_numpy()
         assert_allclose([segment[:, 1] for segment in bars.get_segments()], ends)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("plies", "V50 [m/s], 90 % interval")
-    return None
-
-
-@case(pictures_uncertainty.one_at_a_time)
-def one_at_a_time(pyplot):
-    table = pd.DataFrame({"residual_velocity_m_s": [50.0, 61.0, 43.0], "other": [1, 2, 3]})
-    changes = ["input file", "mass = 1 g", "mass = 2 g"]
-    figure = pictures_uncertainty.one_at_a_time(pyplot, changes, table, QUANTITIES["shot"])
-    (axes,) = figure.axes
-    assert_allclose(axes.lines[0].get_xydata(), [[50, 0], [61, 1], [43, 2]])
-    assert axes.lines[1].get_xdata()[0] == 50.0
-    assert [text.get_text() for text in axes.get_yticklabels()] == changes
-    assert axes.get_xlabel() == "residual velocity [m/s]"
     return None
 
 

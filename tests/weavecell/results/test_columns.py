@@ -4,7 +4,6 @@ from dataclasses import replace
 from types import SimpleNamespace as Given
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import weavecell as wc
@@ -14,7 +13,7 @@ from weavecell.api.scatter import V50Result
 from weavecell.results import impact, one_table
 from weavecell.results.impact import ImpactRecord, _describe_stacking
 from weavecell.results.impact_shapes import Cut
-from weavecell.runs import laboratory_tests, sweep, table, v50
+from weavecell.runs import sweep, table, v50
 from weavecell.studies import limit as limit_study
 from weavecell.studies import shot_row, window
 from weavecell.studies.ballistic_limit import KeptShots, Limit, Shot
@@ -162,32 +161,6 @@ def test_the_table_of_a_v50():
     assert found["friction_between_yarns"] == pytest.approx([0.1, 0.15, 0.2])
     assert found["friction_on_nose"] == pytest.approx([0.02, 0.09, 0.16])
     assert "friction_between_plies" not in found
-
-
-def test_tests_and_computed_shots_stand_in_their_own_rows():
-    """Tests in another order than by velocity: each has the computed shot of its place."""
-    tests = pd.DataFrame(
-        {
-            laboratory_tests.VELOCITY: [95.0, 70.0, 110.0, 80.0],
-            laboratory_tests.OUTCOME: ["perforated", "stopped", "stopped", "perforated"],
-            laboratory_tests.RESIDUAL: [20.0, 0.0, 0.0, 9.0],
-        }
-    )
-    by_velocity = {shot.strike_velocity: shot for shot in SHOTS}
-    shots = [by_velocity[v] for v in tests[laboratory_tests.VELOCITY]]
-    found = laboratory_tests.compare(tests, shots, Limit(80.0, 95.0, SHOTS))
-    table = found.table
-    assert list(table["strike_velocity_m_s"]) == [95.0, 70.0, 110.0, 80.0]
-    assert list(table["tested"]) == list(tests[laboratory_tests.OUTCOME])
-    assert list(table["computed"]) == ["perforated", "stopped", "perforated", "stopped"]
-    assert list(table["tested_residual_velocity_m_s"]) == [20.0, 0.0, 0.0, 9.0]
-    computed = table["computed_residual_velocity_m_s"]
-    assert list(computed) == pytest.approx([28.5, 0.0, 33.0, 0.0])
-    assert found.agree == 2
-    off = found.difference()
-    assert (off["shots"], off["mean"]) == (2, pytest.approx((8.5 - 9.0) / 2))
-    told = found.summary()
-    assert (told["critical_velocity_m_s"], told["bracket_m_s"]) == (87.5, [80.0, 95.0])
 
 
 @pytest.fixture(scope="module")

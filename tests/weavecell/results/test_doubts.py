@@ -40,7 +40,6 @@ MADE = {
         "S-720", over={"panel.opening": ["40 mm", "50 mm"]}, quantity="critical-velocity", out=out
     ),
     "tests": lambda out: wc.reduce_tests("pasted.csv", out=out),
-    "comparison": lambda out: wc.reduce_tests("pasted.csv", "S-720", **SMALL, out=out),
     "impact": lambda out: _with_doubt(wc.impact("S-720", "150 m/s", **SHORT), out),
     "coupon": lambda out: _with_doubt(
         wc.coupon("S-720", "picture_frame", shear_angle="4 deg", crossovers=2, steps=2), out

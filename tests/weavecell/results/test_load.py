@@ -81,11 +81,8 @@ MADE = {
     ),
     "v50": lambda out: wc.v50("S-728", shots=8, batch=4, **SMALL, out=out),
     "difference": lambda out: wc.compare("S-720", "S-728", shots=6, **SMALL, out=out),
-    "sweep": lambda out: wc.sweep(
-        "S-720", over=OVER, quantity="critical-velocity", one_at_a_time=True, out=out
-    ),
+    "sweep": lambda out: wc.sweep("S-720", over=OVER, quantity="critical-velocity", out=out),
     "tests": lambda out: wc.reduce_tests("tests.csv", out=out),
-    "comparison": lambda out: wc.reduce_tests("tests.csv", "S-720", **SMALL, out=out),
     "compression": lambda out: wc.reduce_compression("ply.csv", platen_area="361 mm^2", out=out),
     "pull-outs": lambda out: wc.reduce_pull_out("S-728", "peaks.csv", tension="2 N", out=out),
     "shot": lambda out: wc.reduce_shot("flight.csv", mass="3 g", bandwidth="20 kHz", out=out),
@@ -151,7 +148,6 @@ STUDIES = {
     "v50": lambda of, **more: wc.v50(of, shots=8, batch=4, **more),
     "difference": lambda of, **more: wc.compare(of, "S-720", shots=6, opening="50 mm", **more),
     "sweep": lambda of, **more: wc.sweep(of, over=OVER, quantity="critical-velocity", **more),
-    "comparison": lambda of, **more: wc.reduce_tests("tests.csv", of, **more),
 }
 
 

@@ -30,10 +30,6 @@ PLY = "force [N], displacement [mm]\n" + "".join(
 # command: (words, files that it leaves) of those that no session run has
 OTHERS = {
     "reduce tests": ("reduce tests tests.csv", "tests.json shots.csv tests.svg"),
-    "tests with a target": (
-        "reduce tests tests.csv S-720",
-        "comparison.json shots.csv comparison.svg report.html",
-    ),
     "plies": (
         "plies S-728 --stop 'FSP 1.10 g' --at '120 m/s'",
         "plies.json plies.csv plies.svg shots.csv scene.toml report.html",
@@ -139,7 +135,6 @@ def test_a_folder_whose_list_can_be_no_list_is_refused(command, tmp_path, not_co
     "words",
     [
         "reduce tests shots.csv",
-        "reduce tests shots.csv S-720",
         "impact law.toml",
         "v50 law.toml",
         "biaxial S-720 --law biaxial.json",

@@ -16,7 +16,7 @@ HOLD = (
     "import sys; from pathlib import Path; from weavecell.results import out_folder; "
     "out_folder.claim(Path(sys.argv[1]), []); print('held', flush=True); input()"
 )
-OTHERS = {"biaxial": "biaxial S-720", "reduce tests": "reduce tests shots.csv S-720"}
+OTHERS = {"biaxial": "biaxial S-720", "reduce tests": "reduce tests shots.csv"}
 
 
 @pytest.fixture(autouse=True)

@@ -21,7 +21,7 @@ def test_what_it_has_in_comments_are_keys(command, tmp_path):
     command("new", str(path))
     written = path.read_text("utf-8")
     whole = tomllib.loads(re.sub(r"^# (?=\[|\w+ = )", "", written, flags=re.MULTILINE))
-    assert {"backing", "accuracy"} <= set(whole)
+    assert {"backing"} <= set(whole)
     keys = set(entries(impact.Scene))
     for table, content in whole.items():
         if isinstance(content, dict):

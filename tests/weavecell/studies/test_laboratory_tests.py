@@ -1,16 +1,14 @@
-"""Tests of a laboratory: read from a table, and held against computed shots."""
+"""Tests of a laboratory: read from a table, and their statistics."""
 
 import json
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy import stats
 
 import weavecell as wc
 from weavecell.runs import laboratory_tests
 from weavecell.studies import protocol
-from weavecell.studies.ballistic_limit import Limit, Shot
 
 TABLE = """# a pack, made up
 outcome, velocity [km/h], residual velocity [m/s]
@@ -27,13 +25,6 @@ def read(folder, text):
     return laboratory_tests.read(folder / "tests.csv")
 
 
-def shot(velocity, residual):
-    through = residual > 0
-    return Shot(
-        velocity, residual, "perforated" if through else "stopped", 1e-4, 0, (1.0, 1.0), 0.0, 0.0
-    )
-
-
 def test_a_table_is_read_in_any_unit_and_order(tmp_path):
     found = read(tmp_path, TABLE)
     assert_allclose(found["velocity"], [100, 120, 130, 110, 140])
@@ -41,43 +32,17 @@ def test_a_table_is_read_in_any_unit_and_order(tmp_path):
     assert_array_equal(found["residual velocity"], [0, 40, 70, 0, np.nan])
 
 
-@pytest.fixture
-def comparison(tmp_path):
-    """Compare the tests of TABLE with made-up shots of known residual velocities."""
-    tests = read(tmp_path, TABLE)
-    shots = [shot(v, r) for v, r in zip(tests["velocity"], (0.0, 44.0, 70.0, 15.0, 90.0))]
-    return laboratory_tests.compare(tests, tuple(shots), Limit(104.0, 106.0, ()))
-
-
-def test_outcomes_as_tested_are_counted(comparison):
-    assert comparison.agree == 4
-
-
-def test_residual_velocities_differ_by_mean_rms_and_interval(comparison):
-    """Differences of 4 and 0 m/s; their interval by Student's t as scipy has it."""
-    off = comparison.difference()
-    assert (off["shots"], off["mean"]) == (2, 2.0)
-    assert off["rms"] == pytest.approx(np.sqrt(8))
-    interval = stats.ttest_1samp([4.0, 0.0], 0.0).confidence_interval(0.95)
-    assert (off["low"], off["high"]) == pytest.approx((interval.low, interval.high))
-
-
-def test_v50_of_tests_lies_between_the_fastest_stop_and_the_slowest_perforation(comparison):
+def test_v50_of_tests_lies_between_the_fastest_stop_and_the_slowest_perforation(tmp_path):
     """110 m/s, stopped, and 120 m/s, perforated."""
-    summary = comparison.summary()
+    summary = laboratory_tests.reduce(read(tmp_path, TABLE)).summary()
     low, high = summary["tested_v50_interval_m_s"]
     assert summary["tested_v50_m_s"] == pytest.approx(115.0, rel=0.01)
     assert low < 115 < high
 
 
-def test_the_computed_limit_stands_beside_v50_of_the_tests(comparison):
-    assert comparison.computed.limit == 105.0
-    told = comparison.summary()
-    assert told["critical_velocity_over_v50"] == 105 / told["tested_v50_m_s"]
-
-
-def test_too_few_perforations_determine_no_lambert_jonas_curve(comparison):
-    assert comparison.tests.lambert_jonas.words() == (
+def test_too_few_perforations_determine_no_lambert_jonas_curve(tmp_path):
+    tests = laboratory_tests.reduce(read(tmp_path, TABLE))
+    assert tests.lambert_jonas.words() == (
         "not determined, because 1 of 3 perforations have no residual velocity"
     )
 
@@ -86,8 +51,7 @@ def test_the_v50_that_laboratories_state(tmp_path):
     """430 PP, 445 PP, 452 CP, 455 PP, 470 CP, 480 CP: by hand 2732 / 6 ft/s within 50 ft/s."""
     fired = "velocity [ft/s], outcome\n430,PP\n445,PP\n452,CP\n455,PP\n470,CP\n480,CP\n"
     tests = read(tmp_path, fired)
-    shots = [shot(v, 0.0) for v in tests["velocity"]]
-    found = laboratory_tests.compare(tests, shots, Limit(104.0, 106.0, ())).tests.six_shots
+    found = laboratory_tests.reduce(tests).six_shots
     assert found.velocity == pytest.approx(2732 / 6 * 0.3048)
     assert found.spread == pytest.approx(50 * 0.3048)
     assert found.met == 60
@@ -103,7 +67,7 @@ def test_the_spread_of_the_standard_that_six_shots_meet(spread, met):
     assert few.words().endswith("not determined, because 1 shot stopped and 2 perforated")
 
 
-def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
+def test_tests_are_reduced_to_a_folder(succeed, tmp_path):
     (tmp_path / "tests.csv").write_text(TABLE)
     out = succeed("reduce", "tests", "tests.csv", "--out", "r")
     assert sorted(path.name for path in (tmp_path / "r").glob("[!.]*")) == [
@@ -114,23 +78,13 @@ def test_tests_alone_are_reduced_as_beside_computed_shots(succeed, tmp_path):
     told = json.loads((tmp_path / "r" / "tests.json").read_text())
     assert told["tested_v50_m_s"] == pytest.approx(115.0, rel=0.01)
     assert "tests: V50 of six shots (MIL-STD-662F)" in out
-    tests = read(tmp_path, TABLE)
-    shots = [shot(v, 10.0) for v in tests["velocity"]]
-    beside = laboratory_tests.compare(tests, shots, Limit(104.0, 106.0, ())).summary()
-    alone = wc.reduce_tests(tmp_path / "tests.csv").summary()
-    assert {key: str(beside[key]) for key in alone} == {key: str(alone[key]) for key in alone}
-    with pytest.raises(wc.InputError, match="opening: must be left out if nothing is shot at"):
-        wc.reduce_tests(tmp_path / "tests.csv", opening=0.1)
 
 
 def test_of_one_outcome_there_is_no_v50(tmp_path):
     tests = read(tmp_path, "velocity [m/s], outcome\n100, CP\n110, CP\n")
-    found = laboratory_tests.compare(
-        tests, (shot(100.0, 20.0), shot(110.0, 40.0)), Limit(80.0, 81.0, ())
-    )
-    assert found.tests.words() == "V50 not determined: all 2 shots end alike"
+    found = laboratory_tests.reduce(tests)
+    assert found.words() == "V50 not determined: all 2 shots end alike"
     assert np.isnan(found.summary()["tested_v50_m_s"])
-    assert found.difference()["mean"] is None
 
 
 @pytest.mark.parametrize(

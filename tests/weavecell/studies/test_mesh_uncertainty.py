@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fabrics.base.errors import InputError, UnstableError
+from fabrics.base.errors import InputError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane.boundary import Grip
@@ -124,7 +124,7 @@ def window_of(result, *residuals):
 
 
 def test_standard_errors_of_both_meshes_add_up_as_roots_of_squares(setup):
-    """Of 3 and 4 come 5, whichever mesh counts; the errors stand in the order of the meshes."""
+    """Of 3 and 4 come 5; the errors stand in the order of the meshes."""
     middle = (20.0, 20.0, 20.0 + 5.0 / 4, 20.0, 20.0)  # of whose mean the standard error is known
     unit = window_of(result_of(setup, "perforated", 20.0), *middle).mean("residual_velocity")[1]
     shots = []
@@ -132,13 +132,12 @@ def test_standard_errors_of_both_meshes_add_up_as_roots_of_squares(setup):
         values = mean + error / unit * (np.array(middle) - np.mean(middle))
         result = result_of(setup, "perforated", mean)
         shots.append(Shot(result, None, window_of(result, *values)))
-    for of_finer, factor in ((False, 4), (True, 1)):
-        pair = mesh_uncertainty.compare(*shots, of_finer=of_finer)
-        residual = pair.intervals[0]
-        assert residual.uncertainty == pytest.approx(factor * 2.0 + 5.0)
-        assert residual.standard_errors == pytest.approx((4, 3) if of_finer else (3, 4))
-        assert (residual.value, residual.other) == pytest.approx((22, 20) if of_finer else (20, 22))
-        assert pair.errors["residual_velocity"] == pytest.approx((factor * 2.0 + 5.0) / 40)
+    pair = mesh_uncertainty.compare(*shots)
+    residual = pair.intervals[0]
+    assert residual.uncertainty == pytest.approx(4 * 2.0 + 5.0)
+    assert residual.standard_errors == pytest.approx((3, 4))
+    assert (residual.value, residual.other) == pytest.approx((20, 22))
+    assert pair.errors["residual_velocity"] == pytest.approx((4 * 2.0 + 5.0) / 40)
 
 
 def test_means_over_a_window_replace_the_values_of_a_perforation(setup):
@@ -196,61 +195,6 @@ def test_what_a_stopped_projectile_leaves_has_no_error(setup):
     found = by_name(compared(one, other))
     assert found["residual velocity"].uncertainty == found["absorbed energy"].uncertainty == 0.0
     assert found["peak deflection"].uncertainty == pytest.approx(4 * 1.0)
-
-
-def refined(setup, results, monkeypatch, quantity, target):
-    """(number of the run that counts, Discretisation) of made-up results, coarsest first."""
-    runs = []
-
-    def shoot(this, table, name):
-        runs.append(name)
-        result = results[min(len(runs), len(results)) - 1]
-        failure = result if isinstance(result, Exception) else None
-        known = result_of(this, "unstable", 0.0) if failure else result
-        known.setup = this
-        return Shot(known, failure, window_of(known))
-
-    monkeypatch.setattr(ImpactSetup, "table", lambda self, kept: None)
-    monkeypatch.setattr(mesh_uncertainty, "_can_be_meshed", lambda *_: True)
-    _, found = mesh_uncertainty.refine(setup, quantity, target, shoot)
-    return len(runs), found
-
-
-@pytest.mark.parametrize(
-    "ends, quantity, target, runs, confirmed",
-    [
-        ((20.0, 20.4, 20.5), "residual_velocity", 0.02, 2, True),  # 0.4 of 40 m/s are 1 %
-        ((20.0, 20.4, 20.5), "residual_velocity", 0.005, 3, True),
-        # 8 elements a crossover are the finest
-        ((20.0, 20.4, 20.5), "residual_velocity", 0.001, 4, False),
-        # of a panel that is perforated there is none
-        ((20.0, 20.0, 20.0), "deflection", 0.001, 2, True),
-        # an unstable mesh is compared with none
-        ((20.0, None, 20.0), "residual_velocity", 0.02, 4, True),
-        # an outcome that changes is no agreement
-        ((20.0, 0.0, 0.0), "residual_velocity", 0.5, 3, True),
-    ],
-)
-def test_finer_meshes_are_run_until_two_agree_within_the_target(
-    setup, monkeypatch, ends, quantity, target, runs, confirmed
-):
-    results = [
-        UnstableError("it broke")
-        if end is None
-        else result_of(setup, "perforated" if end else "stopped", end)
-        for end in ends
-    ]
-    results += results[-1:] if confirmed else [result_of(setup, "perforated", 21.0)]
-    run, found = refined(setup, results, monkeypatch, quantity, target)
-    assert run == runs
-    assert len(found.meshes) == runs
-    assert found.confirmed == confirmed
-    assert found.meshes[:2] == ("1 element per crossover", "sides of 1/2 to 10, 1 crossovers")
-    assert found.setup.grading[0][1] == 0.5 ** (runs - 1)
-    told = chapters.summary(found)["accuracy"]
-    assert told["quantity"] == quantity
-    assert told["confirmed"] == confirmed
-    assert chapters.words(found).count("NOT confirmed") == (not confirmed)
 
 
 def test_outcomes_that_differ_have_no_interval(setup):

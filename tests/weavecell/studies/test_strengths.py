@@ -14,8 +14,6 @@ from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.yarns.model import YarnZone
-from tests.scene_text import merged, toml
-from tests.weavecell.session_runs import SCENES
 from weavecell.api.scatter import V50Result
 from weavecell.runs import table
 from weavecell.studies import inputs, strengths
@@ -104,22 +102,6 @@ def test_strengths_are_of_whole_panels_that_fail(setup):
     with pytest.raises(InputError, match="strength: must be left out: the yarns do not fail"):
         replace(setup, symmetry="whole", yarn_failure=False, strength=YarnStrength(14.3))
     assert wc.setup("S-720", "90 m/s", strength={"weibull_shape": 14.3}).symmetry == "whole"
-
-
-def test_a_sweep_over_seeds_has_mean_and_scatter(tmp_path):
-    scene = {
-        "panel": {"opening": "20 mm", "strength": {"weibull_shape": 5}},
-        "run": {"end_time": "20 us"},
-        "projectile": {"strike_velocity": "250 m/s"},
-    }
-    (tmp_path / "scene.toml").write_text(toml(merged(SCENES["limit"], scene)))
-    table = wc.sweep(tmp_path / "scene.toml", over={"panel.strength.seed": [1, 2, 3]})
-    found = [row["residual_velocity_m_s"] for row in table.rows]
-    assert len(set(found)) == 3
-    (line,) = [line for line in table.details().splitlines() if "mean and standard error" in line]
-    deviation = np.std(found, ddof=1)
-    assert f"{np.mean(found):.4g} ± {deviation / 3**0.5:.4g} m/s (mean and standard error)" in line
-    assert f"standard deviation {deviation:.4g} m/s" in line
 
 
 def test_a_deck_has_one_strength(tmp_path):

@@ -339,10 +339,7 @@ def mesh(record: ImpactRecord, setup: ImpactSetup) -> Section:
         ("modelled part of the panel", setup.symmetry),
         ("time steps", f"{record.steps} of {1e9 * step:.3g} ns"),
     )
-    lead = (
-        f"{option('uncertainty')} runs a second mesh; a table [accuracy] finds the mesh that is needed. Near the "
-        "critical velocity the outcome itself depends on the mesh."
-    )
+    lead = f"{option('uncertainty')} runs a second mesh. Near the critical velocity the outcome depends on the mesh."
     if setup.stops_a_bullet:
         lead += f" It has {setup.mesh_in_words}."
     table = Table(("mesh", "value"), rows, numeric=("value",))
