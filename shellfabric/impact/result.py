@@ -106,7 +106,7 @@ def collect_result(
     recorded: tuple[histories.Histories, ...] = ()
     if setup.history and solver.histories:
         recorded = histories.unpack(solver.histories, panels, setup.history)
-    plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
+    plies = dict(zip(PLY_SAMPLES, map(solver.ply_sample, PLY_SAMPLES)))
     speed = dynamics.velocity(solver.state, solver.const, solver.stack.motion)
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
