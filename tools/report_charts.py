@@ -196,7 +196,8 @@ def points_of(name: str, column: str) -> tuple[list[Point], float | None]:
             continue
         if row[METHOD] == REFERENCE:
             reference = float(row[column])
-        elif row[COST]:
+        # a method that others are held against has no error of its own
+        elif row[COST] and float(row[column]) > 0:
             points.append(Point(float(row[COST]), float(row[column]), row[METHOD]))
     return points, reference
 

@@ -33,7 +33,7 @@ class ImpactData:
     contact_force : (n,) [N] on the projectile along the normal, mean since the sample before
         (PackSolver)
     deflection : (n,) [m] largest of the last ply, along the normal (`ply_audit.deflection`)
-    max_deflection : [m] largest entry of `deflection`
+    max_deflection : [m] largest entry of `deflection`; NaN of a panel that is perforated
     energies : {name: (n,)} [J] with the names of the solver's energy_names; error is the sum less
         the energy at the start
     plies : {name: (n, plies)} with the names of loop.pack_solver.PLY_SAMPLES

@@ -106,8 +106,7 @@ def collect_result(
     recorded: tuple[histories.Histories, ...] = ()
     if setup.history and solver.histories:
         recorded = histories.unpack(solver.histories, panels, setup.history)
-    plies = {name: solver.ply_sample(name) for name in PLY_SAMPLES}
-    deflection = plies["deflection"][:, -1]
+    plies = dict(zip(PLY_SAMPLES, map(solver.ply_sample, PLY_SAMPLES)))
     speed = dynamics.velocity(solver.state, solver.const, solver.stack.motion)
     last = output_snapshots.of_plies(solver)
     return ImpactResult(
@@ -120,7 +119,7 @@ def collect_result(
         velocity=solver.sample("v"),
         nose_position=solver.sample("z"),
         contact_force=solver.contact_force,
-        deflection=deflection,
+        deflection=plies["deflection"][:, -1],
         energies={name: solver.sample(name) for name in solver.energy_names},
         plies=plies,
         peaks=solver.peak_tensions,
@@ -137,7 +136,7 @@ def collect_result(
         steps=solver.steps,
         wall_time=solver.wall_time,
         ns_per_element_step=1e9 * solver.wall_time / max(1, solver.steps * elements),
-        max_deflection=float(deflection.max()),
+        max_deflection=solver.largest_deflection,
         checks=with_remedies(quality.of_solver(solver), setup),
         failures=np.array(
             [(state.failed_segments, state.loads_at_failure) for state in solver.states]

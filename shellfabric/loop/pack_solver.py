@@ -21,7 +21,7 @@ from shellfabric.jit.compile import compiling_units
 from shellfabric.jit.table import UNIFORM, Rows
 from shellfabric.loop import compile_ahead, dent_checks, loop, ply_audit
 from shellfabric.loop import pack_memory as memory
-from shellfabric.loop.driver import PERFORATED, RUNNING, STOPPED, ExplicitSolver
+from shellfabric.loop.driver import OUTCOMES, PERFORATED, RUNNING, STOPPED, ExplicitSolver
 from shellfabric.membrane import edges, quality
 from shellfabric.membrane.indicator import Indicator
 from shellfabric.membrane.model import Panel
@@ -437,6 +437,14 @@ class PackSolver(ExplicitSolver):
     def _drop_sample(self):
         super()._drop_sample()
         self.ply_samples.pop()
+
+    @property
+    def largest_deflection(self) -> float:
+        """[m] of the last ply; NaN of a panel that is perforated, whose torn ends fly by chance: mirror
+        images of one shot differ by 5 %."""
+        if self.outcome == OUTCOMES[PERFORATED]:
+            return np.nan
+        return float(self.ply_sample("deflection")[:, -1].max())
 
     def ply_sample(self, name: str) -> FloatArray:
         """Return one column (n, plies) of the plies' samples."""

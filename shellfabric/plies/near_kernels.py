@@ -29,7 +29,7 @@ from shellfabric.plies.frame_kernels import TALL, WIDE, mean_thickness
 from shellfabric.plies.guard_kernels import PLANE_X, PLANE_Y, gap_to_keep
 from shellfabric.plies.separation_kernels import lower_bound, separation, span, unit_normal
 from shellfabric.plies.state import unit
-from shellfabric.surface.vector_kernels import cross, difference, dot, scaled
+from shellfabric.surface.vector_kernels import column, cross, difference, dot, scaled
 
 NEAR = 0.3  # thicknesses within which facets have to stay on their sides
 NOT_RESOLVED, NO_ROOM, CROSSED = 1, 2, 3  # of guard.fault
@@ -247,7 +247,6 @@ def add_facet(contact, side, found, a, b, c):
     nodes = lists.facets[side, found]
     box = lists.facet_box[side]
     corner = lists.facet_corner[side]
-    plane = lists.facet_plane[side]
     nodes[0] = a
     nodes[1] = b
     nodes[2] = c
@@ -257,13 +256,15 @@ def add_facet(contact, side, found, a, b, c):
         w = contact.x[r, c]
         box[r, found] = min(u, min(v, w))
         box[3 + r, found] = max(u, max(v, w))
-        corner[r, found] = u
-        corner[3 + r, found] = v
-        corner[6 + r, found] = w
+        corner[0, r, found] = u
+        corner[1, r, found] = v
+        corner[2, r, found] = w
     n = unit_normal(contact.x, a, b, c)
     for r in range(3):
-        plane[r, found] = n[r]
-    plane[3, found], plane[4, found] = span(contact.x, nodes, 0, n)
+        lists.facet_normal[side, r, found] = n[r]
+    low, high = span(contact.x, nodes, 0, n)
+    lists.facet_low[side, found] = low
+    lists.facet_high[side, found] = high
     return found + 1
 
 
@@ -320,24 +321,22 @@ def boxes_apart8(lists, i, j):
 @kernel(_nrt=False, forceinline=True)
 def planes_apart8(lists, i, j):
     """Return `lower_bound` of facet i of the first tile and of eight of the second, from j on."""
-    own = lists.facet_plane[0]
-    n = own[0, i], own[1, i], own[2, i]
-    other = lists.facet_plane[1]
-    other_n = load(other[0], j), load(other[1], j), load(other[2], j)
+    n = column(lists.facet_normal[0], 0, i)
+    of_second = lists.facet_normal[1]
+    other_n = load(of_second[0], j), load(of_second[1], j), load(of_second[2], j)
     low = other_low = broadcast(1e30)
     high = other_high = broadcast(-1e30)
     for corner in range(3):
-        X, Y, Z = 3 * corner, 3 * corner + 1, 3 * corner + 2
-        x = lists.facet_corner[1]
-        along = dot(n, (load(x[X], j), load(x[Y], j), load(x[Z], j)))
+        x = lists.facet_corner[1, corner]
+        along = dot(n, (load(x[0], j), load(x[1], j), load(x[2], j)))
         other_low = minimum(other_low, along)
         other_high = maximum(other_high, along)
-        x = lists.facet_corner[0]
-        along = dot(other_n, (x[X, i], x[Y, i], x[Z, i]))
+        along = dot(other_n, column(lists.facet_corner[0, corner], 0, i))
         low = minimum(low, along)
         high = maximum(high, along)
-    first = maximum(other_low - own[4, i], own[3, i] - other_high)
-    second = maximum(load(other[3], j) - high, low - load(other[4], j))
+    first = maximum(other_low - lists.facet_high[0, i], lists.facet_low[0, i] - other_high)
+    second = load(lists.facet_low[1], j) - high
+    second = maximum(second, low - load(lists.facet_high[1], j))
     return maximum(maximum(first, second), 0.0)
 
 

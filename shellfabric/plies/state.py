@@ -91,12 +91,10 @@ class NeighbourLists(Row):
     )
     facets = array("2, facets, 3 int64", "-", "scratch: facets of two tiles")
     facet_box = array("2, 6, facets", "m", "scratch: their boxes")
-    facet_corner = array("2, 9, facets", "m", "scratch: their corners")
-    facet_plane = array(
-        "2, 5, facets",
-        "-",
-        "scratch: their unit normals n, the least and the largest n.x of their corners [m]; 0 of bare yarns",
-    )
+    facet_corner = array("2, 3, 3, facets", "m", "scratch: their corners")
+    facet_normal = array("2, 3, facets", "-", "scratch: their unit normals n; 0 of bare yarns")
+    facet_low = array("2, facets", "m", "scratch: the least n.x of their corners")
+    facet_high = array("2, facets", "m", "scratch: the largest")
 
 
 class Pressure(Row):

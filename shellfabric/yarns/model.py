@@ -465,23 +465,18 @@ class YarnPanel(Panel):
         grid(state.inverse_mass)[i0 : i1 + 1, j0 : j1 + 1] = inverse
         grid(state.dt_over_mass)[i0 : i1 + 1, j0 : j1 + 1] = self.time_step * inverse
         grid(state.mass)[inside] = 0.0
-        if not self._has_membrane(grid(state.inverse_mass) > 0, state.intact_fraction, const):
+        # the membrane is gone if no edge of it is left at a node that moves
+        left = const.slip_node.size > 0
+        for axis in range(2):
+            ends = np.moveaxis(grid(state.inverse_mass), axis, 0) > 0
+            edges = np.moveaxis(grid(state.intact_fraction[axis]), axis, 0)[:-1] > 0
+            left = left or (edges & (ends[:-1] | ends[1:])).any()
+        if not left:
             state.block_damage[:] = GONE
         if self.is_seen:
             g0, g1 = self.images
             mobility = self.patch.shadow_mobility[g0:, g1:] / self.patch.crossing_share.T[g0:, g1:]
             grid(state.dt_over_mass)[inside] = self.time_step * mobility
-
-    def _has_membrane(self, moves, intact, const):
-        """Whether an edge of the membrane is left that can be drawn out: one at a node that moves."""
-        if const.slip_node.size > 0:
-            return True
-        for axis in range(2):
-            ends = np.moveaxis(moves, axis, 0)
-            edges = np.moveaxis(by_node(intact[axis], const), axis, 0)[:-1] > 0
-            if (edges & (ends[:-1] | ends[1:])).any():
-                return True
-        return False
 
     def _rim_masses(self, warp, weft):
         """(rows, columns) [kg] of the nodes of the zone and its rim: half of each edge of the

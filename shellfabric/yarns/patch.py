@@ -273,7 +273,8 @@ class YarnPatch:
         """
         chains = self._chains()
         unit = self.unit_stiffness
-        hardest = max(CROSSING * unit, self.law["law"][:, 1].max())
+        _, slope, _, _ = self.law["law"].T
+        hardest = max(CROSSING * unit, slope.max())
         beside = (self.beside["touch_stiffness"] + self.beside["closest_stiffness"]).max()
         across = 1.2 * hardest + 2 * NOSE * unit + 2 * beside
         highest = 0.0

@@ -62,8 +62,11 @@ class Passing:
         return rank(measure_known(self.posterior, self.unknown, find, answer, ""))
 
     def quantiles(self, name: str) -> tuple[float, ...]:
-        """Return LEVELS of a field of the shots, "residual" [m/s] or "deflection" [m]."""
-        return tuple(map(float, np.quantile([getattr(shot, name) for shot in self.shots], LEVELS)))
+        """Return LEVELS of a field of the shots that have it, "residual" [m/s] or "deflection" [m]; NaN
+        if none has."""
+        known = [getattr(shot, name) for shot in self.shots]
+        known = [value for value in known if np.isfinite(value)] or [np.nan]
+        return tuple(map(float, np.quantile(known, LEVELS)))
 
     @property
     def outcome(self) -> str:

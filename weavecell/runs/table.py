@@ -72,7 +72,7 @@ class Shot:
     drawn : {column: value} of all that was drawn
     impact_point : (x, y) [m] from the middle of the opening
     weakest : (warp, weft) [-] factor on the strength of the weakest yarn
-    deflection : [m] the largest
+    deflection : [m] the largest; NaN of a shot that passes
     balance : [-] error of the energy balance over the strike energy
     doubtful : names of the quality checks of the shot that are beyond their limits
     failure : why the shot has no outcome, or ""

@@ -65,7 +65,7 @@ class Shot:
     balance : [-] error of the energy balance over the strike energy, the worst of the run
     wall_time : [s] of the time integration
     checks : tuple of Indicator
-    deflection : [m] the largest
+    deflection : [m] the largest; NaN of a shot that perforates
     """
 
     strike_velocity: float
@@ -458,5 +458,5 @@ def _fire(panel, velocity, give_up, stops_below=0.0):
         balance=float(abs(solver.sample("error")).max()) / solver.strike_energy,
         wall_time=solver.wall_time,
         checks=quality.of_solver(solver),
-        deflection=float(solver.ply_sample("deflection")[:, -1].max()),
+        deflection=solver.largest_deflection,
     )
