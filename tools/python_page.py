@@ -44,7 +44,6 @@ SECTIONS = {
         "calibrate",
         "crossover.yarn",
         "crossover.platens",
-        "crossover.stack",
         "crossover.biaxial",
         "crossover.path",
         "crossover.shear",

@@ -142,42 +142,13 @@ def yarn(
 def platens(
     fabric: Fabric | FilePath,
     *,
+    plies: int = 1,
     pressure: float | str | None = None,
     friction: float = 0.0,
     check: bool = False,
     **shared: Unpack[CaseKeywords],
 ) -> CasePlan:
-    """Press one ply between platens.
-
-    Parameters
-    ----------
-    fabric : name of the catalogue, or path of a fabric file; in Python also a Fabric
-    pressure : pressure at the end [Pa]; the highest of the thesis if not given
-    friction : Coulomb's coefficient between the yarns
-    check : solve nothing and write nothing: count hexahedra and nodes
-    **shared : mesh, out, section and yarn_gap
-
-    Raises
-    ------
-    InputError : an option that is not allowed, or a fabric that cannot be meshed
-    UnstableError : no equilibrium; its attribute `result` has the states up to then, which are
-        written
-    """
-    return _press_plies("platens", 1, fabric, pressure, friction, shared)
-
-
-@command(CasePlan)
-@explain_keywords(CaseKeywords)
-def stack(
-    fabric: Fabric | FilePath,
-    *,
-    plies: int = 2,
-    pressure: float | str | None = None,
-    friction: float = 0.0,
-    check: bool = False,
-    **shared: Unpack[CaseKeywords],
-) -> CasePlan:
-    """Press several plies between platens.
+    """Press one ply, or several, between platens.
 
     Parameters
     ----------
@@ -196,16 +167,12 @@ def stack(
     """
     if plies < 1:
         raise InputError(key="plies", value=plies, allowed="a whole number from 1 on")
-    return _press_plies("stack", plies, fabric, pressure, friction, shared)
-
-
-def _press_plies(case, plies, fabric, pressure, friction, shared):
     from unitcell3d.cases import stack
 
     options = {"plies": plies, "numerics": _numerics(friction)}
     if pressure is not None:
         options["pressure"] = quantities.number(pressure, "Pa", "pressure")
-    return _plan(case, stack.stack_compression, options, fabric, "quarter", shared)
+    return _plan("platens", stack.stack_compression, options, fabric, "quarter", shared)
 
 
 @command(CasePlan)

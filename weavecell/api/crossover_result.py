@@ -37,7 +37,6 @@ class Case(NamedTuple):
 CASES = {
     "yarn": Case(crossover_cases.yarn, pictures_crossover.yarn),
     "platens": Case(crossover_cases.stack, pictures_crossover.stack),
-    "stack": Case(crossover_cases.stack, pictures_crossover.stack),
     "biaxial": Case(crossover_cases.tensions, pictures_crossover.tensions),
     "path": Case(crossover_cases.tensions, pictures_crossover.tensions),
     "shear": Case(crossover_cases.shear, pictures_crossover.shear),
@@ -53,7 +52,7 @@ class CrossoverResult(Result):
     Parameters
     ----------
     fabric : Fabric whose crossover it is
-    case : "yarn", "platens", "stack", "biaxial", "path", "shear" or "pull-out"
+    case : "yarn", "platens", "biaxial", "path", "shear" or "pull-out"
     mesh : `meshing.crossover.Crossover` or `meshing.patch.Patch`
     record : `fabrics.base.record.Record`, a row a converged state
     domain : "quarter", "whole" or "periodic"

@@ -8,6 +8,7 @@ from fabrics.base import door
 from fabrics.base.errors import InputError
 
 _V50 = "v50 answers over all that nobody gave"
+_SCATTER = "strengths scatter as weibull_shape of a fabric file says"
 _DRAWN = "all that nobody gave is drawn"
 # {function: {option of earlier versions: what took its place}}, with options as the command line names them
 GONE = {
@@ -18,14 +19,18 @@ GONE = {
     "critical_velocity": dict.fromkeys(
         ("interval", "assumed_range"), f"one limit is searched, and {_V50}"
     ),
-    "v50": {"assumed_range": _DRAWN},
+    "v50": {"assumed_range": _DRAWN}
+    | dict.fromkeys(("weibull_shape", "modulus_cov", "crimp_cov"), _SCATTER),
     "compare": {
         "quantity": "V50 is compared, over all that nobody gave",
         "tolerance": "no limit is searched; --shots 32 narrows the difference",
         "interval": _DRAWN,
         "assumed_range": _DRAWN,
     },
-    "sweep": {"interval": f"each row is one run; {_V50}"},
+    "sweep": {
+        "interval": f"each row is one run; {_V50}",
+        "one_at_a_time": "next says what to measure first; --over takes one key",
+    },
 }
 
 

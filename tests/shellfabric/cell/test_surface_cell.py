@@ -1,5 +1,6 @@
 """Cells straight from a response surface: against the law they were sampled from, extension, potential, an impact."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,22 @@ def test_surface_of_a_law_gives_the_table_of_the_law(fabric, form):
     assert table.values["W"][part] == pytest.approx(
         law.values["W"][part], abs=5e-3 * law.values["W"].max()
     )
+
+
+def test_a_force_counts_as_none_below_a_share_of_the_strength_of_its_own_yarn(fabric):
+    """1.5 shares of the strength of the weaker yarn, half of one of the other's, three times as strong."""
+    warp, weft = fabric.weave.yarns
+    strong = replace(warp, failure_strain=3 * warp.failure_strain)
+    unlike = replace(fabric, weave=replace(fabric.weave, warp=strong))
+    small = 1.5e-4 * weft.strength
+    assert small < 1e-4 * unlike.weave.warp.strength
+    d = axis(0, 30, 5)
+    forces = [np.full((5, 5), small) for _ in range(5)]
+    found = SurfaceCell(unlike, ResponseSurface(d, d, *forces, fabric=fabric.name)).solve(
+        *(1 + d / w for w in fabric.weave.w)
+    )
+    assert_array_equal(found["T1"], 0.0)
+    assert_allclose(found["T2"], small)
 
 
 def test_potential_of_a_gradient_is_found():

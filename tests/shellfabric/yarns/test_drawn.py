@@ -72,6 +72,24 @@ def test_sections_turn_with_the_fabric(seed):
     assert_allclose(turned, sections @ turn.T, atol=1e-15)
 
 
+def test_a_section_beside_a_torn_yarn_lies_along_the_family_that_crosses():
+    """Of three yarns apart in height the middle one has lost its third segment: there it says of no yarn how
+    it lies, nor do its neighbours of it; elsewhere they do."""
+    place = np.zeros((3, 6, 3))
+    place[..., 0] = 0.7e-3 * np.arange(6)
+    place[..., 1] = 1.2e-3 * np.arange(3)[:, None]
+    place[..., 2] = 0.3e-3 * np.arange(3)[:, None]
+    tension = np.full((3, 6), 4.0)
+    tension[1, 2] = np.nan
+    tension[:, -1] = np.nan
+    sections = drawn._sections(place, tension, 0, (0.9e-3, 0.2e-3), 1.2e-3)
+    side = sections[:, :, 0] - sections[:, :, 3]
+    flat = np.abs(side[..., 2]) < 1e-9
+    torn = np.zeros((3, 6), bool)
+    torn[:, 2] = True
+    assert_array_equal(flat, torn)
+
+
 @pytest.mark.parametrize("width", [8e-3, 12e-3, inf])
 def test_yarns_at_rest_stand_for_the_elements_that_they_cover(width):
     """Each yarn of the zone at its place; beyond FURTHEST the membrane stays."""
@@ -89,8 +107,11 @@ def test_yarns_at_rest_stand_for_the_elements_that_they_cover(width):
         assert lines[1] - 1e-9 < high[axis] <= lines[1] + beyond
     tension = found["yarn_tension"].reshape(-1)
     assert_array_equal(np.unique(tension[np.isfinite(tension)]), [0.0])
-    # a gap behind each yarn, and no other
+    # a gap behind each yarn, and no other: at the last node of a chain, from which none goes on
     yarns = np.isnan(tension).sum()
+    centres = found["yarn_surface"].mean(axis=1)
+    after = np.linalg.norm(np.diff(centres, axis=0), axis=1)
+    assert_array_equal(np.isnan(tension[:-1]), after > 1.5 * max(panel.spacing))
     crossing = [np.ptp(np.flatnonzero(found["resolved"].any(axis=k))) + 2 for k in (0, 1)]
     assert yarns == sum(crossing)
     nodes = [count * (2 * other - 1) for count, other in zip(crossing, crossing[::-1])]

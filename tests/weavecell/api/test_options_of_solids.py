@@ -18,7 +18,6 @@ BESIDE = {
     "mesh": {"patch": "3x4"},
     "crossover yarn": {},
     "crossover platens": {},
-    "crossover stack": {},
     "crossover biaxial": {"end_displacement": "0.02 mm"},
     "crossover shear": {},
 }

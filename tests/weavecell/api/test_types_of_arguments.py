@@ -39,7 +39,6 @@ LEAST = {
     "crossover.platens": ("S-720",),
     "crossover.pull_out": ("S-720",),
     "crossover.shear": ("S-720",),
-    "crossover.stack": ("S-720",),
     "crossover.yarn": ("S-720",),
     "impact": ("S-720", "140 m/s", SMALL),
     "mesh": ("S-720",),

@@ -21,7 +21,6 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
     "yarn": "--yarn weft",
     "platens": "--pressure '60 kPa'",
-    "stack": "--plies 2 --pressure '20 kPa'",
     "biaxial": "--end-displacement '4 um'",
     "path": "--path p.csv",
     "shear": "--shear-angle '12 deg' --end-displacement '4 um' --section conforming",

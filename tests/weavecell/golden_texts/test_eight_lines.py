@@ -13,7 +13,7 @@ from weavecell.results.finding import LABEL, WIDTH, Answer, Mover
 # what prints a text or a table that is asked for, or makes a picture
 DOCUMENTS = tuple(name for name in COMMANDS if not commands.answers(name))
 # commands whose golden text is that of another of the same words
-ALIKE = {f"crossover {name}" for name in ("stack", "biaxial", "path", "shear", "pull-out")}
+ALIKE = {f"crossover {name}" for name in ("biaxial", "path", "shear", "pull-out")}
 
 
 def printed():

@@ -123,6 +123,8 @@ def test_a_curve_that_begins_with_friction_or_does_not_stiffen():
     stiffening = TrellisShear(2e4, 9e4, 0.5, 0.8)
     found = shear_fit.fit(gamma, 3e3 + stiffening.stress(gamma), any_curve=True)
     assert (found.offset, *astuple(found.law)) == pytest.approx((3e3, *astuple(stiffening)), 0.02)
+    scattered = stiffening.stress(gamma) + 300 * np.cos(40 * gamma) + 60
+    assert shear_fit.fit(gamma, scattered, any_curve=True).offset == 0
     straight = shear_fit.fit(gamma, 3e3 + 2e4 * gamma, any_curve=True)
     assert not straight.stiffens
     assert not straight.locked
