@@ -56,12 +56,13 @@ def reduce_tests(tests: FilePath, *, out: FilePath | None = None) -> TestsResult
     >>> from pathlib import Path
     >>> _ = Path("tests.csv").write_text("velocity [m/s], outcome\\n60, PP\\n80, CP\\n70, CP\\n75, PP\\n")
     >>> round(wc.reduce_tests("tests.csv").reduced.v50)  # [m/s]
-    73
+    72
     """
     from weavecell.runs import laboratory_tests as studies
 
+    fired = studies.read(tests)
     with out_folder.hold(out, NAMES) as folder:
-        return save_to(TestsResult(studies.reduce(studies.read(tests)), str(tests)), folder)
+        return save_to(TestsResult(studies.reduce(fired), str(tests)), folder)
 
 
 @explain_frozen
