@@ -18,6 +18,7 @@ from shellfabric.loop.pack_solver import PackSolver
 from shellfabric.membrane import arrays
 from shellfabric.membrane.numerics import Numerics
 from shellfabric.projectile.projectile import Projectile
+from shellfabric.state import DAMAGED, GONE
 from shellfabric.yarns.model import YarnZone, aim
 
 SPHERE = Projectile(mass=0.69e-3, radius=2.78e-3, shape="sphere")
@@ -50,6 +51,20 @@ def test_a_shot_keeps_its_energy_and_the_rim_moves_with_the_membrane(table):
     assert result.energies["crossover_friction"][-1] > 1e-3 * result.strike_energy
     assert zone.stored == zone.friction_work == 0.0  # a run leaves the panel at rest
     assert 1e-4 < result.max_deflection < 60.0 * 40e-6
+
+
+def test_a_membrane_that_is_gone_would_have_no_forces(table):
+    """To the bit, where all yarns are resolved up to clamps that hold them; it stays before free sides."""
+    own = replace(SETUP, crossovers=YarnZone(inf, 0.2), opening=0.02)
+    skipped, computed = (PackSolver(own.target(table), 60.0, 30e-6) for _ in range(2))
+    assert (skipped.state.block_damage == GONE).all()
+    computed.state.block_damage[:] = DAMAGED
+    for name in skipped.run().sample_names + computed.run().sample_names:
+        assert np.array_equal(skipped.sample(name), computed.sample(name)), name
+    assert skipped.sample("reaction_warp")[-1] > 1.0
+    for other in (SETUP, replace(own, boundary=("clamped", "free"))):
+        state = PackSolver(other.target(table), 60.0, 30e-6).state
+        assert not (state.block_damage == GONE).any()
 
 
 @pytest.mark.parametrize("name", ["plain", "basket 2x2", "twill 2/1"])

@@ -87,18 +87,59 @@ def test_a_dropped_crossing_gives_back_nothing_of_what_it_stored(whole):
 
 
 # what a call of `inner_forces` moves of a crossing and of a neighbour
-MOVED = (
+OF_CROSSINGS = (
     "place",
     "slider",
     "contact_force",
     "contact_energy",
     "contact_onset",
     "contact_damping",
+)
+MOVED = (
+    *OF_CROSSINGS,
     "foot",
     "foot_energy",
     "foot_onset",
     "foot_wait",
 )
+
+
+@entry()
+def eight_at_once(zone, i):
+    """The forces of the first eight crossings of a warp yarn: bits of those that are left."""
+    return crossing_kernels.crossing_forces8(zone, i, 0, 255)[0]
+
+
+@entry()
+def one_by_one(zone, i, bits):
+    """The forces of those of the first eight crossings of a warp yarn whose bits are set."""
+    for j in range(8):
+        if bits >> j & 1:
+            crossing_kernels.crossing_force(zone, i, j)
+
+
+def test_eight_crossings_at_once_are_those_one_by_one():
+    """But for those of a yarn that is cut, and of a yarn that is slack, which are left."""
+    eight, single = (pressed(patch((9, 5))) for _ in range(2))
+    rng = np.random.default_rng(4)
+    speeds = rng.normal(0, 3.0, eight.v.shape)
+    for zone in (eight, single):
+        zone.v[:] = speeds
+        cut = zone.first[1] + 2 * zone.nodes[1] + 4
+        zone.whole[cut] = False
+        zone.torn[1, 2] = True
+        zone.x[1, zone.first[1] + 5 * zone.nodes[1] :][: zone.nodes[1]] *= 0.5
+        zone.f[:] = 0.0
+    for i in range(5):
+        left = eight_at_once(eight, i)
+        assert left == 0b100100
+        one_by_one(single, i, 255 & ~left)
+    assert abs(eight.f).max() > 0
+    assert eight.friction_work > 0
+    for name in ("f", "friction_work", "damped", *OF_CROSSINGS):
+        expected = getattr(single, name)
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(getattr(eight, name), expected, rtol=0, atol=1e-11 * scale)
 
 
 def highest_frequency(zone, step=1e-9):
