@@ -65,7 +65,7 @@ def find_effect(
         return None
     laws = (law, *ends.values())
     targets = [
-        setup(replace(fabric, laws=(one, one)), VELOCITIES[0], crossovers=None).target()
+        setup(replace(fabric, laws=(one, one)), VELOCITIES[0], crossovers="pinned").target()
         for one in laws
     ]
     for velocity in VELOCITIES:
