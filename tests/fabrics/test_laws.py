@@ -151,7 +151,7 @@ JOINT = np.array([[0.04, 0.03], [0.03, 0.09]])
 
 
 def test_a_and_b_are_drawn_together_from_the_range_of_a_law(tmp_path):
-    """The middle is the law; many draws have its covariance, less what is beyond two deviations; the file keeps it."""
+    """The middle is the law; many draws have its covariance within two deviations; the file keeps it."""
     law = CompressionLaw(4e-5, 6e-5, F_range=(0.5, 90.0))
     wide = law.with_spread(JOINT)
     wide.to_json(tmp_path / "law.json")
@@ -169,7 +169,7 @@ def test_a_and_b_are_drawn_together_from_the_range_of_a_law(tmp_path):
 
 
 def test_one_share_moves_the_compression_and_the_other_the_shape():
-    """0 is soft, 1 stiff by two deviations of the range, as its ends are by 1.96; across it the compression stays."""
+    """0 is soft, 1 is stiff, by two deviations of the range; across it the compression stays."""
     law = CompressionLaw(4e-5, 6e-5, F_range=(0.5, 90.0)).with_spread(JOINT)
     toward = law.slopes_of_compression()
 

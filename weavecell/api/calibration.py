@@ -34,7 +34,7 @@ from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
-from weavecell.api import meshes, quantities
+from weavecell.api import law_effect, meshes, quantities
 from weavecell.api.biaxial_fit import BiaxialFitPlan, BiaxialFitResult, plan_fit
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from unitcell3d.identify.calibration import Calibration
     from unitcell3d.identify.law_range import LawRange
     from unitcell3d.identify.solid_record import SolidFit
+    from weavecell.api.law_effect import LawEffect
     from weavecell.report.page import Section
     from weavecell.studies.solid_tests import SolidTests
 
@@ -215,6 +216,7 @@ class CalibrationPlan(Plan["CalibrationResult"]):
             resumable=bool(running.folder),
             fractions=fractions,
             surface=surface,
+            effect=_find_effect(shot_at, done.law),
         )
         # what is doubtful of the law goes with it
         shot_at = replace(result.fabric, laws=(result.law, result.law))
@@ -564,6 +566,14 @@ def _surface(fabric, pool):
         return problem
 
 
+def _find_effect(fabric, law):
+    """Return what the range of a law does to a shot, or None."""
+    if law.assumed_range is None:
+        return None
+    with progress.bar(f"Shots over the range of the law of {fabric.name}") as advance:
+        return law_effect.find_effect(fabric, law, advance)
+
+
 def range_numbers(around: LawRange) -> dict[str, Any]:
     """Return a LawRange as plain types, for law-range.json."""
     return {
@@ -594,6 +604,7 @@ class CalibrationResult(Result):
     fractions : note on fibre fractions of the mesh that are not those of the fabric, or ""
     surface : ResponseSurface of a solid that was fitted to biaxial tests; an exception if it has no
         equilibrium; or None
+    effect : `LawEffect` of the range on a shot; None without a range, or where the shots perforate
     resumable : whether the folder holds the histories of the paths already, with what `resume`
         needs
 
@@ -614,6 +625,7 @@ class CalibrationResult(Result):
     resumable: bool = False
     fractions: str = ""
     surface: Any = None
+    effect: LawEffect | None = None
 
     @property
     def law(self) -> CompressionLaw:
@@ -665,7 +677,10 @@ class CalibrationResult(Result):
             for one, end in zip((a, b), ends)
         )
         rms = display.text(law.residual_rms or 0, "fine m", ".2f")
-        over = f"{counted(len(self._stretched), 'path')} of the 3D crossover, {self._forces}, missed by {rms} rms"
+        over = f"{counted(len(self._stretched), 'path')} of the 3D crossover"
+        if self.effect is not None:
+            over += f", {self.effect.line()}"
+        over += f", {self._forces}, missed by {rms} rms"
         if self.around is not None:
             over += f"; the range from {_say_shares(self.around.shares())}"
         for name, text in self._say_tests():
@@ -846,6 +861,8 @@ class CalibrationResult(Result):
         lines += [("note", line) for line in (*self._judge_law(), *law.outside_ends())]
         if self.around is not None:
             lines.append(("range from", _say_shares(self.around.shares())))
+        if self.effect is not None:
+            lines.append(("shots", self.effect.line()))
         for name, why in self._failed.items():
             lines.append(("no end", f"an end of {name} has no compression law: {why}"))
         if done.contact is not None:
@@ -892,7 +909,8 @@ class CalibrationResult(Result):
         if self.surface is not None and not isinstance(self.surface, Exception):
             self.surface.write(folder / SURFACE)
         if self.around is not None:
-            json_file.write(folder / RANGE, range_numbers(self.around))
+            effect = self.effect.entries() if self.effect else None
+            json_file.write(folder / RANGE, range_numbers(self.around) | {"shots": effect})
         if not self.resumable:
             for name, path in done.histories.items():
                 path.write(folder / file_of(name))

@@ -21,6 +21,7 @@ from unitcell3d.identify import law_range, response_surface, solid_fit
 from unitcell3d.identify.solid_record import PlatenClosures, PulledLoads, SolidFit
 from validation.cases import solid
 from weavecell.api import calibration
+from weavecell.api.law_effect import LawEffect
 
 
 @pytest.fixture
@@ -40,6 +41,12 @@ def fitted(monkeypatch):
         law_range, "path_jobs", lambda *chosen, **more: paths(*chosen, SHORT, **more)
     )
     monkeypatch.setattr(law_range, "SIZE", (2, 2, 2))
+    # shots of the law and of both ends, 9 CPU s
+    monkeypatch.setattr(
+        calibration.law_effect,
+        "find_effect",
+        lambda fabric, law, report: LawEffect(60.0, (0.0185, 0.0206, 0.0171)),
+    )
     monkeypatch.setattr(
         law_range.run_cache, "results", lambda function, runs, **_: [function(*one) for one in runs]
     )
@@ -155,6 +162,8 @@ def test_one_fabric_from_its_biaxial_tests(succeed, command, tmp_path, small, fi
     assert law.spread is not None
     assert law.sample((0.9, 0.2)) != law
     assert law.outside_ends() == []
+    assert told(out)["shots"] == "its range moves a ply's dent at 60 m/s by -7.6 to +11 %"
+    assert table_of(tmp_path / "c", "law-range.json")["shots"]["velocity_m_s"] == 60
     for words, said in (
         ("--fitted free", "fitted = 'free': must be a test of both directions"),
         ("--constants a", "constants = 'a': must be of E_c, V_c, K_r"),
