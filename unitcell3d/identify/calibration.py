@@ -169,12 +169,8 @@ class Calibration:
         }
 
     def write(self, directory: FilePath) -> None:
-        """Write law.json, law-warp.json and law-weft.json of each yarn alone, and calibration.json
-        into a directory."""
+        """Write law.json and calibration.json into a directory."""
         directory = Path(directory)
-        for yarn, law in zip(YARNS, self.yarn_laws):
-            if law is not None:
-                law.to_json(directory / f"law-{yarn}.json")
         with write_whole(directory / "calibration.json") as file:
             json.dump(self.summary(), file, indent=2)
             file.write("\n")

@@ -80,8 +80,6 @@ WHOSE = {"mesh": "of the mesh", "stated": "that are stated"}
 
 NAMES = (
     "law.json",
-    "law-warp.json",
-    "law-weft.json",
     "calibration.json",
     "paths.csv",
     "provenance.json",
