@@ -35,7 +35,7 @@ READERS = {
         "closure [um], pressure [MPa]\n0, 0\n10, 1\n",
     ),
     "fired tests": (
-        "reduce tests t.csv S-720 --out r",
+        "reduce tests t.csv --out r",
         "",
         "velocity [m/s], residual velocity [m/s], outcome\n90, 0, PP\n120, 30, CP\n",
     ),

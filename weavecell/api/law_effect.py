@@ -14,7 +14,6 @@ from fabrics.base.errors import UndecidedError, UnstableError
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.api.runs import setup
-from weavecell.studies import ballistic_limit
 
 VELOCITIES = 90.0, 60.0, 40.0  # [m/s]: the first at which all three laws stop
 
@@ -60,6 +59,9 @@ def find_effect(
     -------
     LawEffect, or None : the law has no range, or a shot of one of the laws does not stop
     """
+    # help must not wait for a solver to load
+    from weavecell.studies import ballistic_limit
+
     ends = law.ends()
     if not ends:
         return None

@@ -48,7 +48,7 @@ LOOKS = 2
 FLIGHT = 1.2, 0.15
 # [%] by which half the element side moves what packs absorb of a fragment, the mean of three shots, and of a bullet:
 # the larger of the studies cost-pack-fragment and cost-pack-bullet
-MOVED_BY_HALF = 6.0
+MOVED_BY_HALF = 11.9
 HALF_OF_THEM = (
     "elements half as long: four times as many, in steps of half the length at least, for 3 to 8 times "
     f"the CPU time; they moved the energy that two packs absorb by {MOVED_BY_HALF:g} % at most"

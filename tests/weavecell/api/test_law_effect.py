@@ -7,6 +7,7 @@ import pytest
 
 from fabrics import catalogue
 from weavecell.api import law_effect
+from weavecell.studies import ballistic_limit
 from weavecell.studies.ballistic_limit import Shot
 
 
@@ -32,7 +33,7 @@ def fired(monkeypatch):
         outcome = "perforated" if velocity > 70 else "stopped"
         return (Shot(velocity, 0.0, outcome, 1e-3, 0.0, (9.0, 7.0), 0.0, 0.1, (), dent),)
 
-    monkeypatch.setattr(law_effect.ballistic_limit, "shoot", shoot)
+    monkeypatch.setattr(ballistic_limit, "shoot", shoot)
     return found
 
 

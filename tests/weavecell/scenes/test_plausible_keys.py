@@ -22,7 +22,6 @@ FREE = {
     "run.snapshot_interval": "frequency of pictures",
     "run.checkpoint_interval": "frequency of checkpoints",
     "history.interval": "frequency of samples",
-    "accuracy.uncertainty": "a wish",
     "backing.after_stop": "time in which a block comes to rest, which is checked",
     "backing.reference_rate": "of clay from 1e-3 to 1e3 a second",
     "numerics.cfl": "a smaller step is a better one",

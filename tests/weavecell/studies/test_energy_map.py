@@ -79,7 +79,9 @@ def test_critical_strains_are_those_of_the_element_nearest_to_failure():
 
 @pytest.fixture(scope="module")
 def perforated():
-    return wc.impact("S-731", "190 m/s", opening="60 mm", plies=2, stacking="alternating")
+    return wc.impact(
+        "S-731", "190 m/s", opening="60 mm", plies=2, stacking="alternating", crossovers="pinned"
+    )
 
 
 def test_the_path_of_a_shot_ends_before_a_yarn_fails(perforated):
