@@ -179,7 +179,6 @@ def test_every_study_can_be_run(name):
             inspect.signature(function).bind(**keywords)
             if function in (
                 impact.shot,
-                impact.several,
                 impact.limit,
                 impact.first_failure,
                 impact.means,
