@@ -1,6 +1,6 @@
 """What the range of a compression law does to a shot: one ply of the fabric with the law, and with both of its ends.
 
-The dent alone: near a limit outcomes mix, so that a V50 that tells the laws apart takes some sixty shots of each
+The dent alone: outcomes near a limit are mixed, and a V50 that distinguishes the laws takes some sixty shots of each
 (`weavecell v50` draws from the range)."""
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class LawEffect:
     dents: tuple[float, ...]
 
     def line(self) -> str:
-        """Say how far the dent moves, over that of the law."""
+        """Say how far the ends of the range move the dent."""
         middle, *ends = self.dents
         low, high = sorted(100 * (end / middle - 1) for end in ends)
         return (
@@ -53,7 +53,7 @@ def find_effect(
     ----------
     fabric : Fabric
     law : CompressionLaw with a range
-    report : told the share of the work done
+    report : called with the share of the work done
 
     Returns
     -------

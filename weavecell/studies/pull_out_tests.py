@@ -495,7 +495,7 @@ def reduce(
 def fit(groups: Sequence[PullOutGroup], usual: Sequence[float]) -> FittedFriction:
     """Fit friction and c0 to the peaks of the tests.
 
-    c0 multiplies all peaks nearly alike; mu is told by how much faster than the number of crossings
+    c0 multiplies all peaks nearly alike; mu follows from how much faster than the number of crossings
     they grow.
 
     Parameters
