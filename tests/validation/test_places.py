@@ -2,11 +2,13 @@
 
 from math import nan
 
+import numpy as np
 import pytest
 
 from shellfabric.membrane import quality
 from validation.cases import places
 from weavecell.runs import sweep
+from weavecell.runs.table import Shot
 from weavecell.studies import shot_row
 
 SIDES = quality.indicator("yarns that changed sides", 3.0)
@@ -54,3 +56,40 @@ def test_a_stop_is_drawn_within_the_repeat_and_the_ranges_and_differs_by_its_num
     assert struck == [(2 * one["u"] * w[0], 2 * one["v"] * w[1]) for one in found]
     assert [setup.strike_velocity for setup in fired] == [one["velocity"] for one in found]
     assert {setup.symmetry for setup in fired} == {"whole"}
+
+
+def test_what_a_shot_takes_is_all_but_the_energy_that_is_left(monkeypatch):
+    """One perforates, one stops, and one throws the projectile back, whose energy it has not kept."""
+    fired = [
+        Shot(200.0, 120.0, True, cpu_time=9.0),
+        Shot(200.0, 0.0, False, cpu_time=1.0),
+        Shot(200.0, -20.0, False, cpu_time=2.0, failure="lost"),
+    ]
+    monkeypatch.setattr(places.table, "run", lambda rows, folder: fired[: len(rows)])
+    found = places.take(
+        fabric="S-728", projectile="FSP 1.10 g", opening="60 mm", velocity=200.0, shots=3
+    )
+    np.testing.assert_allclose(
+        found["taken"], 0.5 * 1.1e-3 * np.array([25600.0, 4e4, 40400.0]), rtol=1e-3
+    )
+    assert found["cpu_s"] == pytest.approx(2.0)
+    assert found["failures"] == 1
+
+
+def test_methods_share_their_draws_and_differ_in_the_yarns(monkeypatch):
+    seen = []
+    monkeypatch.setattr(
+        places.table, "run", lambda rows, folder: seen.extend(rows) or [Shot(90.0, 30.0, True)]
+    )
+    scene = {
+        "fabric": "S-728",
+        "projectile": "sphere 5.5 mm",
+        "opening": "160 mm",
+        "velocity": 90.0,
+    }
+    for keys in ({}, {"whole_zone": True}, {"crossovers": "pinned"}):
+        places.take(shots=1, **scene, **keys)
+    default, whole, pinned = (row.setup for row in seen)
+    assert {row.draw for row in seen} == {seen[0].draw}
+    assert default.zone.width < whole.zone.width == np.inf
+    assert pinned.crossovers is None
