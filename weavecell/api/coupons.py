@@ -46,7 +46,7 @@ from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, result_folder, run_folder
 from weavecell.results.finding import Answer, join_parts
-from weavecell.scenes import build
+from weavecell.scenes import build, scene_text
 from weavecell.scenes import coupon as scenes
 from weavecell.scenes.build import Case
 from weavecell.scenes.fabric_table import check_scene
@@ -222,7 +222,7 @@ def case_of(target: Fabric | FilePath, test: str | None, options: Mapping[str, A
     fabric = resolve_fabric(target)
     rest = dict(options)
     law = rest.pop("law", None)
-    tables = {name: tuple(keywords.fields_of(scenes.CouponScene, name)) for name in (test, "run")}
+    tables = {name: tuple(scene_text.fields_of(scenes.CouponScene, name)) for name in (test, "run")}
     tables["fabric"] = "bending", "cell_model", "cell_formulation", "crossover_gap"
     table: dict[str, Any] = {"fabric": {"name": fabric.name}, test: {}, "run": {"outputs": []}}
     for key, value in rest.items():

@@ -49,7 +49,6 @@ from weavecell.api.target import (
     read_target,
     resolve_target,
 )
-from weavecell.api.varied_setup import read_key, vary_setup
 from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
 from weavecell.results.finding import Answer
@@ -57,6 +56,7 @@ from weavecell.results.keys import find_axis
 from weavecell.results.left_out import LeftOut, say_nominal
 from weavecell.scenes import build
 from weavecell.scenes import impact as scenes
+from weavecell.scenes.varied_setup import read_key, vary_setup
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -27,7 +27,7 @@ from fabrics.variants import with_linear_density
 from weavecell.api import keywords
 from weavecell.api.result import Result
 from weavecell.api.user_warnings import warn_user
-from weavecell.scenes import build, words
+from weavecell.scenes import build, scene_text, words
 from weavecell.scenes import impact as scenes
 from weavecell.scenes.fabric_table import Reader
 
@@ -74,7 +74,7 @@ class Target:
         shot at."""
         if isinstance(self.source, str):
             return self.source
-        return keywords.text(*self.source)
+        return scene_text.text(*self.source)
 
     @property
     def scene(self) -> scenes.Scene | None:
