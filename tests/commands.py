@@ -5,7 +5,7 @@ import shlex
 
 from click.core import ParameterSource
 
-from weavecell.api.result import Result
+from weavecell.answers.result import Result
 from weavecell.cli import app, from_signature
 
 # options by which a command writes what is named

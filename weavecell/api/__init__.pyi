@@ -6,6 +6,7 @@ from fabrics.base.errors import DoubtfulResult as DoubtfulResult
 from fabrics.base.errors import InputError as InputError
 from fabrics.base.errors import UndecidedError as UndecidedError
 from fabrics.base.errors import UnstableError as UnstableError
+from weavecell.answers.result import Result as Result
 from weavecell.api import crossover as crossover
 from weavecell.api.biaxial_fit import BiaxialFitResult as BiaxialFitResult
 from weavecell.api.biaxial_paths import BiaxialResult as BiaxialResult
@@ -50,7 +51,6 @@ from weavecell.api.reduction import CompressionRecords as CompressionRecords
 from weavecell.api.reduction import ShotRecord as ShotRecord
 from weavecell.api.reduction import reduce_compression as reduce_compression
 from weavecell.api.reduction import reduce_shot as reduce_shot
-from weavecell.api.result import Result as Result
 from weavecell.api.run_size import RunSize as RunSize
 from weavecell.api.runs import fabric as fabric
 from weavecell.api.runs import setup as setup

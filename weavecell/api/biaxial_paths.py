@@ -25,9 +25,9 @@ from fabrics.base.frozen import explain_frozen
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import with_linear_density
+from weavecell.answers.result import Result, figure
 from weavecell.api import meshes
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed, pictures_surface

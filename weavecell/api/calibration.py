@@ -34,12 +34,12 @@ from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
+from weavecell.answers.result import Result, figure
 from weavecell.api import law_effect, meshes, quantities
 from weavecell.api.biaxial_fit import BiaxialFitPlan, BiaxialFitResult, plan_fit
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
-from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.results import display, json_file, out_folder, progress
 from weavecell.results.finding import Answer

@@ -24,10 +24,10 @@ from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 from fabrics.base import files, run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
+from weavecell.answers.result import Result
+from weavecell.answers.target import Target
 from weavecell.api import entrance, gone
 from weavecell.api.execution import Execution
-from weavecell.api.result import Result
-from weavecell.api.target import Target
 from weavecell.results import out_folder, progress
 
 Parameters = ParamSpec("Parameters")

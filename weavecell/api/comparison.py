@@ -24,12 +24,12 @@ from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.of_two_panels import OfTwoPanels
+from weavecell.answers.result import Result
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.of_two_panels import OfTwoPanels
-from weavecell.api.result import Result
 from weavecell.api.run_size import StudySize, WorkSize
 from weavecell.api.scatter import V50Plan, V50Result
 from weavecell.api.target import is_input_file, resolve_target
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.runs.difference import Difference
 
 NAMES = ("difference.json", "difference.csv", "difference.svg", "report.html", "a/*", "b/*")

@@ -35,13 +35,13 @@ from fabrics.base.schema import PYTHON, read_toml
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from fabrics.variants import rotated_90
+from weavecell.answers.result import Result, figure
+from weavecell.answers.wording import Wording
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.api.saved import SavedResult
 from weavecell.api.target import resolve_fabric
-from weavecell.api.wording import Wording
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder, progress, result_folder, run_folder

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from fabrics.base.checks import FilePath
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import changed
+from weavecell.answers.result import Result
 from weavecell.api.entrance import public
-from weavecell.api.result import Result
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 

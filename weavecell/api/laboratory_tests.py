@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics.base.checks import FilePath
 from fabrics.base.frozen import explain_frozen
+from weavecell.answers.result import save_to
+from weavecell.answers.study_result import DrawnResult
 from weavecell.api.entrance import public
-from weavecell.api.result import save_to
-from weavecell.api.study_result import DrawnResult
 from weavecell.results import out_folder
 
 if TYPE_CHECKING:

@@ -31,13 +31,14 @@ from fabrics.base.errors import (
 )
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.study_result import StudyResult
+from weavecell.answers.target import list_assumptions
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import LOOKS, StudySize
-from weavecell.api.study_result import StudyResult
-from weavecell.api.target import list_assumptions, resolve_target
+from weavecell.api.target import resolve_target
 from weavecell.report import checks
 from weavecell.report.pictures_style import BLUE, GREEN, ORANGE, RED
 from weavecell.report.plot import Layer, Plot
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
 
     from shellfabric.impact.setup import ImpactSetup
     from shellfabric.membrane.indicator import Indicator
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.studies.ballistic_limit import Limit, Shot
     from weavecell.studies.lambert_jonas import LambertJonas
     from weavecell.studies.limit_scan import ScanRange
@@ -288,7 +289,7 @@ class CriticalVelocityResult(StudyResult):
 
     Parameters
     ----------
-    target : `weavecell.api.target.Target` that was shot at
+    target : `weavecell.answers.target.Target` that was shot at
     limit : `weavecell.studies.ballistic_limit.Limit`
     lambert_jonas : fit to the perforations
     scan : ScanRange about the bracket that was scanned, or None

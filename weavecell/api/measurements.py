@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from weavecell.answers.result import Result, remember_folder
 from weavecell.api.entrance import public
-from weavecell.api.result import Result, remember_folder
 from weavecell.results.finding import Answer
 
 if TYPE_CHECKING:

@@ -24,9 +24,9 @@ from fabrics.base.door import option
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.result import Result, plain
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.result import Result, plain
 from weavecell.api.run_size import WorkSize
 from weavecell.results import out_folder, progress
 

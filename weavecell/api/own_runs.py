@@ -18,12 +18,12 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.result import Result
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.entrance import public
 from weavecell.api.execution import ResumableKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import Result
 from weavecell.api.run_size import StudySize
 from weavecell.api.target import resolve_target
 from weavecell.results import one_table, out_folder

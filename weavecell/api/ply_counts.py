@@ -20,12 +20,12 @@ from fabrics.base.errors import InputError, InputErrors, UnstableError, together
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from shellfabric.plies.pack_keys import MOST_PLIES, PackKeys
+from weavecell.answers.study_result import DrawnStudy
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize
-from weavecell.api.study_result import DrawnStudy
 from weavecell.api.target import is_input_file, is_setup, resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.report.page import Section
     from weavecell.runs.measurement import Count, Measurement
     from weavecell.runs.plies import PliesOfFabric, V50Test

@@ -25,10 +25,10 @@ from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import validated
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
+from weavecell.answers.study_result import DrawnResult
 from weavecell.api import coupons, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.run_size import WorkSize
-from weavecell.api.study_result import DrawnResult
 from weavecell.report import installed
 from weavecell.results import left_out, out_folder
 from weavecell.results.finding import Answer

@@ -26,10 +26,10 @@ from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
+from weavecell.answers.result import save_to
+from weavecell.answers.study_result import DrawnResult
 from weavecell.api import quantities
 from weavecell.api.entrance import public
-from weavecell.api.result import save_to
-from weavecell.api.study_result import DrawnResult
 from weavecell.results import out_folder
 from weavecell.scenes import result_keys
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, cast
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
+from weavecell.answers.result import Result, figure, plain
 from weavecell.api.entrance import public
-from weavecell.api.result import Result, figure, plain
 from weavecell.api.shots import ShotResult
 from weavecell.api.target import read_target
 from weavecell.results import finding

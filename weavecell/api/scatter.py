@@ -17,12 +17,12 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import UnstableError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.study_result import DrawnStudy
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Report, Running, command
 from weavecell.api.execution import ResumableKeywords, StudyKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
 from weavecell.api.run_size import StudySize
-from weavecell.api.study_result import DrawnStudy
 from weavecell.api.target import resolve_target
 from weavecell.results import out_folder
 from weavecell.results.finding import Answer, Mover
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.runs.measurement import Measurement
     from weavecell.runs.span import Span
     from weavecell.runs.v50 import Study
@@ -201,7 +201,7 @@ class V50Result(DrawnStudy):
     Parameters
     ----------
     study : `weavecell.runs.v50.Study`, with shots and the answer that they tell
-    target : `weavecell.api.target.Target` that was shot at
+    target : `weavecell.answers.target.Target` that was shot at
     seed, batch : of the shots
     wall_time : [s]
 

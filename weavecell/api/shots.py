@@ -30,13 +30,14 @@ from fabrics.base.errors import InputError, UnstableError, interrupts
 from fabrics.base.extras import explain_missing
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.result import Result, figure, remember_folder
+from weavecell.answers.target import list_assumptions
+from weavecell.answers.wording import Wording
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command, keep_runs
 from weavecell.api.keywords import Keywords, explain_keywords
-from weavecell.api.result import Result, figure, remember_folder
 from weavecell.api.run_size import RunSize, StudySize
-from weavecell.api.target import list_assumptions, resolve_target
-from weavecell.api.wording import Wording
+from weavecell.api.target import resolve_target
 from weavecell.report import installed
 from weavecell.results import finding, keys, one_table, out_folder, progress, run_folder
 from weavecell.results.finding import Answer, Mover
@@ -57,7 +58,7 @@ if TYPE_CHECKING:
     from shellfabric.cell.model import CellTable
     from shellfabric.impact.result import ImpactResult
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.report.page import Embedded
     from weavecell.results.result_folder import ResultFolder
     from weavecell.runs.measurement import Measurement
@@ -451,7 +452,7 @@ class ShotResult(ImpactRecord, Result):
     fabric : Fabric, with the linear densities of the run
     assumed : lines that name the laws that are assumed
     draws : Passing, drawn shots of its velocity, or None
-    target : `weavecell.api.target.Target` that was shot at; None of a shot of a sweep
+    target : `weavecell.answers.target.Target` that was shot at; None of a shot of a sweep
     pair : Discretisation of the meshes that were run, or None
     read_from : folder from which it was read; None of a shot that was fired now
     said : Answer of that folder, which may be of more runs than it holds

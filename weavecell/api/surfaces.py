@@ -28,11 +28,11 @@ from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.run_cache import RunCache
 from fabrics.fabric import Fabric
+from weavecell.answers.result import Result, figure
 from weavecell.api import meshes, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
-from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.report import chapters, pictures_surface
 from weavecell.results import json_file, out_folder, progress, provenance

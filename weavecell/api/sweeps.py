@@ -31,25 +31,25 @@ from fabrics.base.files import parse_toml
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import entries, unit_of, unread, with_tables
 from fabrics.fabric import Fabric
+from weavecell.answers.result import Result, figure, plain
+from weavecell.answers.study_result import StudyResult
+from weavecell.answers.target import Target
+from weavecell.answers.wording import Wording
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.limits import NO_LIMIT
-from weavecell.api.result import Result, figure, plain
 from weavecell.api.run_size import StudySize, forecast_row
 from weavecell.api.shots import ShotResult, shot_of
-from weavecell.api.study_result import StudyResult
 from weavecell.api.target import (
     STRIKE,
-    Target,
     build_target,
     is_input_file,
     is_setup,
     read_target,
     resolve_target,
 )
-from weavecell.api.wording import Wording
 from weavecell.results import display, out_folder, progress
 from weavecell.results.finding import Answer
 from weavecell.results.keys import find_axis

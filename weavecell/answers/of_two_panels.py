@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from fabrics.base import run_cache
 from fabrics.base.checks import FilePath
-from weavecell.api.study_result import DrawnResult
-from weavecell.api.target import list_assumptions
+from weavecell.answers.study_result import DrawnResult
+from weavecell.answers.target import list_assumptions
 from weavecell.report import installed
 from weavecell.results import out_folder
 from weavecell.results.left_out import lines_of
@@ -18,7 +18,7 @@ from weavecell.results.left_out import lines_of
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.report.page import Section, Table
 
 # fields of a set-up that a comparison is about

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
-from weavecell.api.result import Result, figure
-from weavecell.api.target import list_assumptions
+from weavecell.answers.result import Result, figure
+from weavecell.answers.target import list_assumptions
 from weavecell.report import installed
 from weavecell.results import one_table, out_folder
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.report.page import Section
     from weavecell.runs.measurement import Measurement
 

@@ -16,7 +16,7 @@ from fabrics.base.door import in_terminal, option
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
 from shellfabric.membrane.indicator import NOTED
-from weavecell.api.user_warnings import warn_user
+from weavecell.answers.user_warnings import warn_user
 from weavecell.results import display, finding, glossary, keys, one_table
 from weavecell.results.finding import Answer, Mover
 from weavecell.results.keys import Key
