@@ -1,13 +1,15 @@
-"""Results of an earlier run: opened again from their folder, and several in one picture."""
+"""Results of an earlier run: opened again from their folder, several in one picture, and looked at."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
+from fabrics.base.extras import explain_missing
 from weavecell.answers.result import Result, figure
 from weavecell.answers.saved import SavedResult
 from weavecell.answers.shot import ShotResult
@@ -132,3 +134,53 @@ def _name_of(result, number):
         folder = result.folder
     title = Path(folder).name if folder else getattr(result, "title", type(result).__name__)
     return finding.tag(f"{number}: {title}", result.doubts)
+
+
+@explain_missing()
+@public
+def view(
+    file: FilePath,
+    *,
+    html: FilePath | None = None,
+    screenshot: FilePath | None = None,
+    movie: FilePath | None = None,
+    cut: bool = False,
+    beside: FilePath | None = None,
+) -> None:
+    """Look at a mesh or a result in a window, or write a picture, a movie or an interactive page of
+    it.
+
+    No file is written over one that exists. A picture or movie of a panel or pack shows all of it,
+    its projectile, a scale of the tensions and the outcome; with cut its section along the warp
+    through the impact point.
+
+    Parameters
+    ----------
+    file : a folder of results, or a .vtu, .pvd or .msh file
+    html : write a page, FILE.html, in which a browser shows the panel or pack from all sides at all
+        snapshots
+    screenshot : write a picture, FILE.png, instead of opening a window
+    movie : write the snapshots of a panel or pack as a movie, FILE.gif or FILE.mp4 (which needs
+        imageio)
+    cut : the section through the impact point in place of the whole panel or pack
+    beside : the folder of another shot: the page has both, A and B, with what differs, both in motion
+        under one slider with one scale of colours, and both histories
+
+    Raises
+    ------
+    InputError : there is nothing to be shown, or no two shots, a file with another ending or one that exists, or no
+        display for a window
+
+    Examples
+    --------
+    >>> wc.mesh("S-720", mesh="coarse", out="mesh") and wc.view("mesh", screenshot="mesh.png")  # doctest: +SKIP
+    """
+    from weavecell.report.shot.view import show
+
+    picture, film, page = (
+        None if path is None else Path(path) for path in (screenshot, movie, html)
+    )
+    show(Path(file), picture, film, page, cut, None if beside is None else Path(beside))
+    for path in (film, page, picture):
+        if path is not None:
+            logging.getLogger("weavecell").info(f"written to {path}")

@@ -26,7 +26,7 @@ import typer
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from fabrics.base.files import parse_toml
 from weavecell.answers.result import Result
-from weavecell.api.lists import format_for_terminal
+from weavecell.answers.tables import format_for_terminal
 from weavecell.report import checks
 from weavecell.results import glossary, progress
 
