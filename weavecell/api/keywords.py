@@ -11,8 +11,7 @@ against the schema.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar
@@ -303,19 +302,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, Path):
         return str(value)
     return value
-
-
-@contextmanager
-def name_as_keyword(group: str, values: Mapping[str, object]) -> Iterator[None]:
-    """Name the keyword GROUP_KEY and the value as given in an InputError of this block that is
-    about a key of `values`."""
-    try:
-        yield
-    except InputError as problem:
-        key = problem.key or ""
-        if key not in values:
-            raise
-        raise problem.changed(key=f"{group}_{key}", value=values[key]) from None
 
 
 def refuse_unknown(key: str, value: object, function: str) -> None:

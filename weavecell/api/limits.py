@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Unpack
 
 from fabrics.base import files
 from fabrics.base.checks import FilePath
-from fabrics.base.door import option
 from fabrics.base.errors import (
     InputError,
     UndecidedError,
@@ -18,7 +17,7 @@ from fabrics.base.errors import (
 )
 from fabrics.fabric import Fabric
 from weavecell.answers.critical_velocity import NAMES, CriticalVelocityResult
-from weavecell.api import keywords, quantities
+from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import ResumableSearchKeywords
 from weavecell.api.keywords import Keywords, explain_keywords
@@ -115,9 +114,6 @@ def critical_velocity(
     v50_shots: int | None = None,
     residual_shots: int | None = None,
     scan: bool | None = None,
-    scan_above: float | str | None = None,
-    scan_below: float | str | None = None,
-    scan_step: float | str | None = None,
     check: bool = False,
     **options: Unpack[ResumableSearchKeywords],
 ) -> LimitPlan:
@@ -154,11 +150,8 @@ def critical_velocity(
     residual_shots : shots from 3 % above the limit to twice the limit, for the Lambert-Jonas fit; if
         not given 2, and 0 where there are `v50_shots`; 8 make its intervals narrow
     scan : scan the velocities about the bracket for mixed outcomes: always, or never; if not given
-        where the shots of the search have some
-    scan_above : range above the highest stop that is scanned for further stops; if not given 25 %.
-        This and the next two are refused where nothing is scanned
-    scan_below : range below the lowest perforation that is scanned for others; if not given 10 %
-    scan_step : interval between shots of the scan; if not given 2 %
+        where the shots of the search have some. A shot every 2 %, until all of 25 % above the highest
+        stop perforate and all of 10 % below the lowest perforation stop
     check : run nothing and write nothing: forecast shots and CPU time
     **options : jobs, executor, out and resume; beside a fabric also keywords of `setup` but history
 
@@ -184,11 +177,6 @@ def critical_velocity(
     width = None
     if tolerance is not None:
         width = quantities.read_positive(tolerance, "m/s", "tolerance")
-    given = {"above": scan_above, "below": scan_below, "step": scan_step}
-    shares = {key: value for key, value in given.items() if value is not None}
-    numbers = {key: quantities.number(value, "", f"scan_{key}") for key, value in shares.items()}
-    with keywords.name_as_keyword("scan", given):
-        around: ScanRange | None = ScanRange(**numbers)
     if residual_shots is not None:
         residual_shots = quantities.read_whole(residual_shots, "residual_shots", 0)
     if v50_shots is not None:
@@ -205,10 +193,7 @@ def critical_velocity(
     if residual_shots is None:
         residual_shots = 0 if v50_shots else 2
     # mixed outcomes are part of the scatter that the interval of V50 holds
-    if scan is False or (v50_shots and scan is None):
-        around = None
-        unused = {f"scan_{key}": value for key, value in shares.items()}
-        quantities.refuse_unused(unused, f"without a scan, which {option('scan')} makes")
+    scanned = scan is not False and not (v50_shots and scan is None)
     if width is None and not pack:
         width = 1.0
     return LimitPlan(
@@ -216,7 +201,7 @@ def critical_velocity(
         width,
         v50_shots,
         residual_shots,
-        around,
+        ScanRange() if scanned else None,
         scan is None,
     )
 
