@@ -43,7 +43,7 @@ PHASES = {
     "other pictures": ("weavecell.report.pictures", "render"),
     "ParaView series": ("weavecell.results.vtk", "write_panel"),
     "histories.h5, summary.json": ("weavecell.answers.shot", "ShotResult.save_numbers"),
-    "rest of the report": ("weavecell.answers.shot", "ShotResult.save"),
+    "rest of the report": ("weavecell.answers.shot", "ShotResult._write"),
 }
 
 

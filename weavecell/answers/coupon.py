@@ -26,7 +26,7 @@ from fabrics.base.counted import counted
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from weavecell.answers.result import Result, figure
+from weavecell.answers.result import WrittenResult, figure
 from weavecell.report import installed, pictures_coupon
 from weavecell.results import coupon as coupon_results
 from weavecell.results import display, keys, out_folder
@@ -51,7 +51,7 @@ NAMES = (
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class CouponResult(Result):
+class CouponResult(WrittenResult):
     """A quasi-static test on a piece of fabric.
 
     Parameters
@@ -253,13 +253,12 @@ class CouponResult(Result):
             last[name] = row | self._what_is_assumed()
         return {"at_end": last}
 
-    @out_folder.saving(*NAMES)
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder, but the checkpoint."""
+    _written = NAMES
+
+    def _write(self, folder):
         from weavecell.report import checks, page
         from weavecell.results import input_copies, json_file, provenance
 
-        folder = Path(out)
         stamp = provenance.stamp(self.text, self.case.fabric)
         # paths of a coupon are those that were read
         input_copies.keep_input(folder, self.text, self.case.scene, Path())

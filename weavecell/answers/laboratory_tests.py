@@ -9,13 +9,10 @@ The folder of `weavecell reduce tests`
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.checks import FilePath
 from fabrics.base.frozen import explain_frozen
 from weavecell.answers.study_result import DrawnResult
-from weavecell.results import out_folder
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,12 +67,7 @@ class TestsResult(DrawnResult):
         """What is doubtful of the tests."""
         return self.reduced.doubts
 
-    @out_folder.saving(*NAMES)
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
-        from weavecell.results import provenance
-
-        self._write_files(Path(out), provenance.stamp())
+    _written = NAMES
 
     def files(self) -> dict[str, Any]:
         """Return {file: what it holds}: V50 and the fit as JSON, a row a test as CSV, and the

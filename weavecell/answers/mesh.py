@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from fabrics.base.checks import FilePath
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.answers.result import Result, plain
+from weavecell.answers.result import WrittenResult, plain
 from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def _file(stem, suffix):
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class MeshResult(Result):
+class MeshResult(WrittenResult):
     """The mesh of a crossover or a woven patch.
 
     Parameters
@@ -131,29 +131,26 @@ class MeshResult(Result):
             mesh_files.write(self.mesh, self.fabric, path)
         return path
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
+    @property
+    def _written(self):
+        return names_of(self.stem, self.formats)
+
+    def _write(self, folder):
         from weavecell.report import pictures_mesh, pictures_patch, pictures_quality
         from weavecell.results import json_file, provenance
 
-        out = Path(out)
-        with (
-            out_folder.hold(out, names_of(self.stem, self.formats)),
-            progress.bar(f"Mesh of {self.mesh.fabric}") as advance,
-        ):
+        with progress.bar(f"Mesh of {self.mesh.fabric}") as advance:
             advance(0.2, "writing")
             for suffix in self.formats:
-                self._export(out, suffix)
+                self._export(folder, suffix)
             advance(0.6, "drawing")
             if self.stem == "patch":
-                pictures_patch.picture(self.mesh, out / "patch.png")
+                pictures_patch.picture(self.mesh, folder / "patch.png")
             else:
-                pictures_mesh.picture(self.mesh, out / "crossover.png")
-            pictures_quality.picture(self.mesh, out / "quality.png")
-            json_file.write(
-                out / "mesh.json",
-                self.summary() | {"provenance": provenance.stamp("", self.fabric)},
-            )
+                pictures_mesh.picture(self.mesh, folder / "crossover.png")
+            pictures_quality.picture(self.mesh, folder / "quality.png")
+            stamp = provenance.stamp("", self.fabric)
+            json_file.write(folder / "mesh.json", self.summary() | {"provenance": stamp})
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fabrics.base import run_cache
-from fabrics.base.checks import FilePath
 from weavecell.answers.study_result import DrawnResult
 from weavecell.answers.target import list_assumptions
 from weavecell.report import installed
-from weavecell.results import out_folder
 from weavecell.results.left_out import lines_of
 
 if TYPE_CHECKING:
@@ -32,8 +30,6 @@ COMPARED = (
 class OfTwoPanels(DrawnResult):
     """What results about two panels share. A derived class has what raises NotImplementedError
     here, and the names of the files and folders that it writes."""
-
-    _written: Sequence[str]
 
     @property
     def targets(self) -> tuple[Target, Target]:
@@ -92,19 +88,16 @@ class OfTwoPanels(DrawnResult):
     def _notebook_table(self):
         return self.table()
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
+    def _write(self, folder):
         from weavecell.results import provenance
 
-        out = Path(out)
         a, b = self.targets
         text = "\n".join(f"# {panel.name}\n{panel.text}" for panel in (a, b) if panel.text)
         stamp = provenance.stamp(text, *a.setup.fabrics, setup=b.setup)
-        with out_folder.hold(out, self._written):
-            self._save_each(out)
-            self._write_files(out, stamp)
-            if installed.can_draw():
-                self._write_report(out, stamp)
+        self._save_each(folder)
+        self._write_files(folder, stamp)
+        if installed.can_draw():
+            self._write_report(folder, stamp)
 
     def _save_each(self, out: Path) -> None:
         """Write what has folders of its own; nothing of most."""

@@ -10,14 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.frozen import explain_frozen
-from weavecell.answers.result import Result
-from weavecell.results import one_table, out_folder
+from weavecell.answers.result import WrittenResult
+from weavecell.results import one_table
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -68,7 +66,7 @@ class RunTable(Sequence["Row"]):
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class RunsResult(Result):
+class RunsResult(WrittenResult):
     """The shots of a table; its DataFrame has a row each.
 
     Parameters
@@ -122,13 +120,12 @@ class RunsResult(Result):
         varied = {name: [row.labels.get(name) for row in self.rows] for name in labels}
         return varied | one_table.columns(self.fired, self.kind) | list_drawn(self.fired)
 
-    @out_folder.saving(*NAMES)
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
+    _written = NAMES
+
+    def _write(self, folder):
         from fabrics.base import files
         from weavecell.results import json_file, provenance
 
-        folder = Path(out)
         files.write(folder / "shots.csv", self.to_csv())
         one_table.write_hdf5(self.shots, folder / "shots.h5", self.kind)
         content = {"format": "weavecell runs 1", **self.summary(), "answer": self.answer.entry()}

@@ -12,17 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.door import option
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from weavecell.answers.study_result import DrawnResult
 from weavecell.report import installed
-from weavecell.results import left_out, out_folder
+from weavecell.results import left_out
 from weavecell.results.finding import Answer
 from weavecell.results.left_out import LeftOut
 
@@ -230,12 +228,11 @@ class PullOutFriction(DrawnResult):
             "pull-out.svg": None,
         }
 
-    @out_folder.saving(*NAMES)
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
+    _written = NAMES
+
+    def _write(self, folder):
         from weavecell.results import provenance
 
-        folder = Path(out)
         stamp = provenance.stamp("", self.fabric)
         self._write_files(folder, stamp)
         if installed.can_draw():

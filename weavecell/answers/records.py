@@ -14,16 +14,13 @@ The folder of `weavecell reduce compression` and `reduce shot`
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from fabrics.base.frozen import explain_frozen
 from fabrics.compression import CompressionLaw
 from fabrics.fabric import Fabric
 from weavecell.answers.study_result import DrawnResult
-from weavecell.results import out_folder
 from weavecell.scenes import result_keys
 
 if TYPE_CHECKING:
@@ -164,12 +161,7 @@ class CompressionRecords(DrawnResult):
             return changed
         return replace(changed, interlayer_gap=next(iter(self.gaps.values())).value)
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
-        from weavecell.results import provenance
-
-        with out_folder.hold(out, OF_COMPRESSION):
-            self._write_files(Path(out), provenance.stamp())
+    _written = OF_COMPRESSION
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
@@ -253,12 +245,7 @@ class ShotRecord(DrawnResult):
             "motion.svg": None,
         }
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
-        from weavecell.results import provenance
-
-        with out_folder.hold(out, OF_SHOT):
-            self._write_files(Path(out), provenance.stamp())
+    _written = OF_SHOT
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""

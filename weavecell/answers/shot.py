@@ -28,7 +28,7 @@ from fabrics.base.errors import InputError
 from fabrics.base.extras import explain_missing
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
-from weavecell.answers.result import Result, figure, remember_folder
+from weavecell.answers.result import WrittenResult, figure, remember_folder
 from weavecell.answers.target import list_assumptions
 from weavecell.answers.wording import Wording
 from weavecell.report import installed
@@ -111,7 +111,7 @@ OFFERED = (
 
 @explain_frozen
 @dataclass(frozen=True, repr=False, kw_only=True)
-class ShotResult(ImpactRecord, Result):
+class ShotResult(ImpactRecord, WrittenResult):
     """One impact on one ply or on a pack, with all that `weavecell.results.impact.ImpactRecord`
     has.
 
@@ -393,15 +393,9 @@ class ShotResult(ImpactRecord, Result):
             vtk.write_faces(Path(folder), self.faces())
         return Path(folder) / "panel.pvd"
 
-    @out_folder.saving(*NAMES)
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder, but the checkpoint.
+    _written = NAMES
 
-        Raises
-        ------
-        InputError : as `case`
-        """
-        out = Path(out)
+    def _write(self, out):
         target = self.target
         # it has a case, and so a target
         assert target is not None
