@@ -6,6 +6,7 @@ from fabrics.base.errors import DoubtfulResult as DoubtfulResult
 from fabrics.base.errors import InputError as InputError
 from fabrics.base.errors import UndecidedError as UndecidedError
 from fabrics.base.errors import UnstableError as UnstableError
+from weavecell.answers.biaxial_paths import BiaxialResult as BiaxialResult
 from weavecell.answers.comparison import ComparisonResult as ComparisonResult
 from weavecell.answers.coupon import CouponResult as CouponResult
 from weavecell.answers.critical_velocity import CriticalVelocityResult as CriticalVelocityResult
@@ -22,13 +23,13 @@ from weavecell.answers.records import ShotRecord as ShotRecord
 from weavecell.answers.result import Result as Result
 from weavecell.answers.saved import SavedResult as SavedResult
 from weavecell.answers.shot import ShotResult as ShotResult
+from weavecell.answers.surface import SurfaceResult as SurfaceResult
 from weavecell.answers.sweep import SweepResult as SweepResult
 from weavecell.answers.sweep import SweepTable as SweepTable
 from weavecell.answers.tables import Tables as Tables
 from weavecell.answers.v50 import V50Result as V50Result
 from weavecell.api import crossover as crossover
 from weavecell.api.biaxial_fit import BiaxialFitResult as BiaxialFitResult
-from weavecell.api.biaxial_paths import BiaxialResult as BiaxialResult
 from weavecell.api.biaxial_paths import biaxial as biaxial
 from weavecell.api.calibration import CalibrationResult as CalibrationResult
 from weavecell.api.calibration import calibrate as calibrate
@@ -63,7 +64,6 @@ from weavecell.api.saved import overlay as overlay
 from weavecell.api.saved import view as view
 from weavecell.api.scatter import v50 as v50
 from weavecell.api.shots import impact as impact
-from weavecell.api.surfaces import SurfaceResult as SurfaceResult
 from weavecell.api.surfaces import surface as surface
 from weavecell.api.sweeps import sweep as sweep
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from fabrics.base.checks import FilePath
 from weavecell.answers.laboratory_tests import NAMES, TestsResult
 from weavecell.answers.result import save_to
 from weavecell.api.entrance import public
 from weavecell.results import out_folder
-
-if TYPE_CHECKING:
-    pass
 
 
 @public

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError
 from weavecell.answers.measurements import MeasureFirst
 from weavecell.answers.result import Result, remember_folder
 from weavecell.api.entrance import public
 from weavecell.results.finding import Answer
-
-if TYPE_CHECKING:
-    pass
 
 OF_DRAWN = "a result of v50 or plies, or of impact with drawn shots"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +17,6 @@ from weavecell.api.entrance import public
 from weavecell.results import out_folder
 from weavecell.scenes import result_keys
 
-if TYPE_CHECKING:
-    pass
 # [-] of the strike energy that the noise of a record may seem to add
 _GAIN = 0.05
 

@@ -82,7 +82,7 @@ def _surface():
     from fabrics.surface import ResponseSurface
     from unitcell3d.identify.interpolant import errors
     from unitcell3d.identify.response_surface import Sampled
-    from weavecell.api.surfaces import SurfaceResult
+    from weavecell.answers.surface import SurfaceResult
 
     d1, d2 = np.linspace(0, 2e-5, 5), np.linspace(0, 3e-5, 6)
     x, y = np.meshgrid(1e5 * d1, 1e5 * d2, indexing="ij")
