@@ -8,7 +8,8 @@ import pytest
 import weavecell as wc
 from fabrics.base.errors import InputError
 from tests import commands
-from weavecell.api.command import Plan, without_effect
+from tests.commands import without_effect
+from weavecell.api.command import Plan
 from weavecell.cli import app
 from weavecell.results import out_folder
 
