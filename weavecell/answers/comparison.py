@@ -11,19 +11,24 @@ The folder of `weavecell compare`
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from fabrics.base import run_cache
 from fabrics.base.counted import counted
 from fabrics.base.frozen import explain_frozen
-from weavecell.answers.of_two_panels import OfTwoPanels
+from weavecell.answers.study_result import DrawnResult
+from weavecell.answers.target import list_assumptions
 from weavecell.answers.v50 import V50Result
+from weavecell.report import installed
 from weavecell.results.finding import Answer
-from weavecell.results.left_out import LeftOut
+from weavecell.results.left_out import LeftOut, lines_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from weavecell.answers.target import Target
     from weavecell.runs.difference import Difference
@@ -31,6 +36,12 @@ if TYPE_CHECKING:
 NAMES = ("difference.json", "difference.csv", "difference.svg", "report.html", "a/*", "b/*")
 # [-] by which areal densities differ at most that V50 alone compares
 ALIKE = 0.03
+# fields of a set-up that a comparison is about
+COMPARED = (
+    *("fabric", "laws", "surface", "lay_up", "plies", "stacking", "ply_gap", "ply_friction"),
+    *("bending", "cell_model", "packed_area", "contact", "grading", "elements_per_crossover"),
+    *("strike_velocity", "table_size"),
+)
 
 
 class ComparedPanel(NamedTuple):
@@ -54,7 +65,7 @@ class ComparedPanel(NamedTuple):
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class ComparisonResult(OfTwoPanels):
+class ComparisonResult(DrawnResult):
     """Two panels or packs, A and B; the table has a row for each and one for A less B.
 
     Parameters
@@ -78,6 +89,58 @@ class ComparisonResult(OfTwoPanels):
     def targets(self) -> tuple[Target, Target]:
         """The Target of A and of B."""
         return self.a.target, self.b.target
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """What A and B are called: what is shot at, or the stem of the file where that is the
+        same."""
+        titles = [panel.title for panel in self.targets]
+        if titles[0] == titles[1]:
+            titles = [Path(panel.name).stem or panel.title for panel in self.targets]
+        return f"A, {titles[0]}", f"B, {titles[1]}"
+
+    @property
+    def title(self) -> str:
+        """Of picture and page."""
+        return " or ".join(self.names)
+
+    @property
+    def areal_densities(self) -> tuple[float, float]:
+        """[kg/m2] of A and of B, all plies."""
+        a, b = (panel.setup.areal_density for panel in self.targets)
+        return float(a), float(b)
+
+    @property
+    def other_differences(self) -> list[str]:
+        """Names of what else differs between A and B, such as the opening: then the fabrics alone are
+        not compared."""
+        a, b = (panel.setup for panel in self.targets)
+        named = [field.name for field in fields(a) if field.name not in COMPARED]
+        return [
+            name
+            for name in named
+            if run_cache.inputs_digest(getattr(a, name))
+            != run_cache.inputs_digest(getattr(b, name))
+        ]
+
+    @property
+    def heavier(self) -> float:
+        """Areal density of A over that of B, less 1."""
+        a, b = self.areal_densities
+        return a / b - 1
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Lines that name what is assumed of the fabrics."""
+        lines = [line for panel in self.targets for line in list_assumptions(panel.setup)]
+        return tuple(dict.fromkeys(lines))
+
+    def table(self) -> DataFrame:
+        """Return the table with labels and units."""
+        return self._labelled_columns()
+
+    def _notebook_table(self):
+        return self.table()
 
     @property
     def values(self) -> tuple[float, float]:
@@ -210,8 +273,7 @@ class ComparisonResult(OfTwoPanels):
             )
         if self.other_differences:
             lines.append(f"A and B also differ in: {', '.join(self.other_differences)}")
-        failures = getattr(getattr(self.a, "study", None), "failures", ())
-        failures = (*failures, *getattr(getattr(self.b, "study", None), "failures", ()))
+        failures = (*self.a.study.failures, *self.b.study.failures)
         return lines + [f"Without an outcome: {failure}." for failure in failures]
 
     def _items(self):
@@ -246,19 +308,40 @@ class ComparisonResult(OfTwoPanels):
 
     _written = NAMES
 
-    def _save_each(self, out):
+    def _write(self, folder):
+        from weavecell.results import provenance
+
+        a, b = self.targets
+        text = "\n".join(f"# {panel.name}\n{panel.text}" for panel in (a, b) if panel.text)
+        stamp = provenance.stamp(text, *a.setup.fabrics, setup=b.setup)
         for name, result in (("a", self.a), ("b", self.b)):
-            (out / name).mkdir(exist_ok=True)
-            result.save(out / name)
+            (folder / name).mkdir(exist_ok=True)
+            result.save(folder / name)
+        self._write_files(folder, stamp)
+        if installed.can_draw():
+            self._write_report(folder, stamp)
 
     def _write_report(self, out, stamp):
         """Write the page that has both."""
-        from weavecell.report.page import Table
+        from weavecell.report import chapters, page, pictures
 
-        tables = [Table.from_frame(self.table())]
-        points = ("The pages of the two are a/report.html and b/report.html.",)
+        picture = pictures.draw_figure("difference", "", self.draw)
+        table = page.Table.from_frame(self.table())
+        lines = (
+            *self.lines(),
+            *lines_of(self.left_out),
+            "The pages of the two are a/report.html and b/report.html.",
+        )
+        sections = [
+            page.Section("result", "A and B", tables=(table,)),
+            page.Section("remarks", "Remarks", points=lines, folded=True),
+        ]
+        shots = [chapters.describe_shot(panel.setup, panel.scene) for panel in self.targets]
+        lead = " ".join(f"{side}: {shot}" for side, shot in zip("AB", shots))
+        fabrics = {f.name: f for panel in self.targets for f in panel.setup.fabrics}
         seconds = {"both studies": self.b.wall_time}
-        self._write_page(out, stamp, tables, (), points, seconds)
+        content = (lead, [*fabrics.values()], sections, stamp, seconds, self.answer, (), (picture,))
+        chapters.write(out, *content)
 
 
 def _say_verdict(verdict):
