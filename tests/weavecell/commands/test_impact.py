@@ -58,7 +58,7 @@ def small_scene(outputs, extra=""):
     return impact_scene(head='title = "a small panel"', run=run, extra=extra)
 
 
-@pytest.mark.parametrize("name", ["impact", "pack"])
+@pytest.mark.parametrize("name", ["impact", pytest.param("pack", marks=pytest.mark.slow(6))])
 def test_a_resumed_run_is_the_uninterrupted_one(
     command, succeed, results, drawn_once, interrupted, tmp_path, name
 ):

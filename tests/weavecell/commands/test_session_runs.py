@@ -157,7 +157,14 @@ IN_PYTHON = {
 }
 
 
-@named(IN_PYTHON)
+# studies and 3D solutions of seconds, which are commands of the interface by the same code as the others
+SLOW = ("v50", "critical-velocity", "calibrate", "crossover", "surface")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in IN_PYTHON],
+)
 @pytest.mark.filterwarnings("ignore::weavecell.DoubtfulResult", "ignore:unique with")
 def test_the_python_interface_finds_the_same_numbers(results, name, tmp_path):
     """To 12 digits, of the same input."""
