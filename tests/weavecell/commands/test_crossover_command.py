@@ -86,6 +86,7 @@ def test_a_pressure_that_is_not_reached_is_a_doubt(run):
     assert "pressure not reached" in content["doubts"]
 
 
+@pytest.mark.slow(7)
 def test_a_failed_case_keeps_what_it_computed(run):
     code, _, err, content, record = run("path", CASES["path"], path=CRUSHED)
     assert code == 3
