@@ -54,6 +54,15 @@ def test_a_shot_shows_its_curve_and_labels_with_units(cells):
     assert re.search(parts, cells[1][-1]["text/html"], re.DOTALL)
 
 
+def test_a_picture_and_a_result_show_themselves():
+    """What a notebook asks for, without a kernel."""
+    found = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
+    png = found.plot()._repr_png_()
+    assert png.startswith(b"\x89PNG")
+    assert len(png) > 5000
+    assert "data:image/png;base64," in found._repr_html_()
+
+
 def test_inputs_print_in_a_few_lines_and_lists_are_tables():
     setup = repr(wc.setup("S-728", "150 m/s", plies=4, projectile="FSP 1.10 g"))
     assert len(repr(wc.fabric("S-720"))) < 160
