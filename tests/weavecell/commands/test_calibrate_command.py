@@ -107,6 +107,7 @@ def told(out):
     return {line[:13].strip(): line[14:] for line in out.splitlines()}
 
 
+@pytest.mark.slow(4)
 def test_one_fabric_from_its_platen_curve(succeed, tmp_path, small, fitted):
     out = succeed("calibrate S-720 --fit-solid --mesh coarse --jobs 1 --out c --verbose")
     assert told(out)["E_c"] == "1.8e+09 (9e+08 .. 3.6e+09, 95 %); from 2e+09"
@@ -208,6 +209,7 @@ def test_a_law_outside_the_ends_of_its_range_says_so(small):
     assert note in found.sections()[0].lead
 
 
+@pytest.mark.slow(8)
 def test_a_section_changed_in_gmsh_is_calibrated(succeed, command, monkeypatch, tmp_path):
     """The geometry handed out, meshed by gmsh with a thinner warp, is the mesh of paths and platens."""
     run = solver.calibrate
