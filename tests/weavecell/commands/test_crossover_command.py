@@ -15,7 +15,7 @@ from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
 from tests.weavecell.written import table_of
 from unitcell3d.cases import load_path, periodic_cell
-from weavecell.api import crossover_result
+from weavecell.answers import crossover_result
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
