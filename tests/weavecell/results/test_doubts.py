@@ -52,6 +52,8 @@ MADE = {
     "calibrate": lambda out: _with_doubt(_calibration(), out),
 }
 NEEDS_SOLIDS = ("surface", "crossover", "calibrate")
+# results of seconds, each of a class whose siblings are quicker
+SLOW = ("compare", "surface", "calibrate")
 
 
 def _with_doubt(result, out):
@@ -193,7 +195,9 @@ def fire(setup, velocity, time, stops_below=0.0):
 
 
 @pytest.mark.filterwarnings("ignore::fabrics.base.errors.DoubtfulResult")
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in MADE]
+)
 def test_every_place_that_shows_a_result_says_its_doubt(name, tmp_path, monkeypatch):
     """Terminal, notebook, summary, warning, JSON, what is loaded, banner, card and colour of the page, picture."""
     monkeypatch.chdir(tmp_path)
