@@ -29,6 +29,7 @@ from fabrics.base.counted import counted
 from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.law_effect import LawEffect
 from weavecell.answers.mesh import MeshResult, names_of
 from weavecell.answers.result import WrittenResult, figure
 from weavecell.report import chapters_calibration
@@ -107,8 +108,7 @@ class CalibrationResult(WrittenResult):
     fractions : note on fibre fractions of the mesh that are not those of the fabric, or ""
     surface : ResponseSurface of a solid that was fitted to biaxial tests; an exception if it has no
         equilibrium; or None
-    effect : `weavecell.api.law_effect.LawEffect` of the range on a shot; None without a range, or where
-        the shots perforate
+    effect : LawEffect of the range on a shot; None without a range, or where the shots perforate
     resumable : whether the folder holds the histories of the paths already, with what `resume`
         needs
 
@@ -129,7 +129,7 @@ class CalibrationResult(WrittenResult):
     resumable: bool = False
     fractions: str = ""
     surface: Any = None
-    effect: Any = None
+    effect: LawEffect | None = None
 
     @property
     def law(self) -> CompressionLaw:

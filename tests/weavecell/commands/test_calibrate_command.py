@@ -20,8 +20,8 @@ from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import law_range, response_surface, solid_fit
 from unitcell3d.identify.solid_record import PlatenClosures, PulledLoads, SolidFit
 from validation.cases import solid
+from weavecell.answers.law_effect import LawEffect
 from weavecell.api import calibration
-from weavecell.api.law_effect import LawEffect
 from weavecell.report import chapters_calibration
 
 
