@@ -111,14 +111,16 @@ def verdicts() -> str:
 
 
 def missed() -> str:
-    """Tabulate each claim of the thesis that is missed, with its cause in a line."""
-    found = [["claim", "thesis", "here", "cause"]]
-    for row in of_thesis(read(DATA)[1]):
-        if row["verdict"] == MISSED:
-            found.append(
-                [f"`{row['id']}`", row["published"], row["computed"], _sentence(row["cause"])]
-            )
-    return f"\n\n{markdown(found)}\n"
+    """Tabulate each claim of the thesis that is missed, with its cause in a line, after what causes there are."""
+    rows = [row for row in of_thesis(read(DATA)[1]) if row["verdict"] == MISSED]
+    of = Counter(row["because"] for row in rows)
+    kinds = [["because", "claims", "meaning"]]
+    kinds += [[name, of[name], meaning] for name, meaning in judge.CAUSES.items()]
+    found = [["claim", "thesis", "here", "because", "cause"]]
+    for row in rows:
+        told = [row["published"], row["computed"], row["because"], _sentence(row["cause"])]
+        found.append([f"`{row['id']}`", *told])
+    return f"\n\n{markdown(kinds)}\n{markdown(found)}\n"
 
 
 def open_claims() -> str:

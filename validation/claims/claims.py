@@ -120,6 +120,7 @@ class Claim:
     incomparable : the thesis's statement and the computed quantity are not comparable; says why
     untestable, unbuilt : why there are no conditions; or ""
     cause : of a miss, as far as it has been investigated
+    because : which of `judge.CAUSES` that is
     verdict : recorded one of `judge.VERDICTS`, with which the claim has to end
     factors : {input: factor} that change it, of `changed_fabrics` and "velocity" of its runs; of no claim as
         it stands (`turns`)
@@ -146,6 +147,7 @@ class Claim:
     untestable: str = ""
     unbuilt: str = ""
     cause: str = ""
+    because: str = ""
     verdict: str = ""
     factors: Values = field(default_factory=dict)
 

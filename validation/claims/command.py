@@ -106,7 +106,7 @@ def write_rows(path: Path, rows: Sequence[table.Row], options: str) -> None:
             continue
         stated = {"variants": row["variants"] or before.get("variants", ""), "commit": commit}
         kept[row["id"]] = row | stated
-    ordered = [kept[claim.id] for claim in data.load() if claim.id in kept]
+    ordered = [table.explained(claim, kept[claim.id]) for claim in data.load() if claim.id in kept]
     inputs = origin.digest_of_files(*Path(__file__).parent.glob("*.toml"))
     checked = [number for number, row in enumerate(ordered, 1) if golden_rows.is_golden(row)]
     made = origin.write(f"claims{options}", inputs, origin.spent(), checked)
@@ -143,7 +143,7 @@ def tell(claims: Sequence[data.Claim], records: Sequence[judge.Record]) -> int:
     """Print what each claim states and what was computed; return the exit code as `main`."""
     for row in table.rows(claims, records):
         print(f"{row['id']}: {row['verdict']}")
-        for name in ("published", "computed", "cause"):
+        for name in ("published", "computed", "because", "cause"):
             print(f"  {name:<10} {row[name]}")
     return tell_changed(claims, records)
 

@@ -34,6 +34,12 @@ VERDICTS = {
     LEFT_OUT: "a slow one that was not selected",
     BROKEN: "its expressions or its function did not come to an end",
 }
+CAUSES = {
+    "physics": "the model behaves otherwise, with the inputs and the words of the thesis",
+    "reading": "how much the words of the thesis mean is a bound of the ledger",
+    "set-up": "an input that the thesis does not print, or a choice of its run or of ours",
+    "fault": "an error of the code that is known and stands",
+}
 
 
 @dataclass(frozen=True)

@@ -478,10 +478,27 @@ def plates(fabric: str) -> PathColumns:
 
 
 def lone(
-    fabric: str, *, family: int, bars: int | None = None, one_point: bool = False
+    fabric: str,
+    *,
+    family: int,
+    bars: int | None = None,
+    one_point: bool = False,
+    moved: float = 0.0,
 ) -> SimpleNamespace:
-    """Pull one yarn alone straight and on; `bars` 0 takes its fibres away, `one_point` integrates
-    the least."""
+    """Pull one yarn alone straight and on.
+
+    Parameters
+    ----------
+    fabric, family : name, 0 warp or 1 weft
+    bars : 0 takes its fibres away
+    one_point : the solids have one point of integration
+    moved : standard deviation of a random move of nodes that no symmetry holds, over the thickness
+
+    Returns
+    -------
+    strain, T : [-], [N] the path
+    zigzag : [-] amplitude at its end from node to node along the yarn, over the thickness
+    """
     from unitcell3d.cases import single_yarn
     from unitcell3d.material import solid_law
 
@@ -492,8 +509,19 @@ def lone(
     if bars == 0:
         strain = 0.06
     mesh, given = _meshed(fabric)
+    grid = mesh.grids[family]
+    thickness = _thickness(mesh, mesh.points)[family]
+    if moved:
+        inner = grid[1:-1, 1:]
+        points = mesh.points.copy()
+        points[inner] += np.random.default_rng(1).normal(0.0, moved * thickness, (*inner.shape, 3))
+        mesh = replace(mesh, points=points)
     found = single_yarn.pull(mesh, given, family, bars=bars, integration=integration, strain=strain)
-    return SimpleNamespace(strain=found.columns["strain"], T=found.columns["T"])
+    return SimpleNamespace(
+        strain=found.columns["strain"],
+        T=found.columns["T"],
+        zigzag=float(found.columns["astray"][-1] / thickness),
+    )
 
 
 def sections(fabric: str) -> SimpleNamespace:

@@ -29,8 +29,8 @@ from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.surface import ResponseSurface
 from fabrics.variants import data_digest
+from weavecell.answers.result import Result, figure
 from weavecell.api.command import Plan, Running
-from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.api.target import resolve_fabric
 from weavecell.report import installed

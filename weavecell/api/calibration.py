@@ -34,12 +34,13 @@ from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
 from fabrics.variants import as_written, data_digest, with_linear_density
+from weavecell.answers.mesh import MeshResult, names_of
+from weavecell.answers.result import Result, figure
 from weavecell.api import law_effect, meshes, quantities
 from weavecell.api.biaxial_fit import BiaxialFitPlan, BiaxialFitResult, plan_fit
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
-from weavecell.api.result import Result, figure
 from weavecell.api.run_size import WorkSize
 from weavecell.results import display, json_file, out_folder, progress
 from weavecell.results.finding import Answer
@@ -88,7 +89,7 @@ NAMES = (
     FABRIC_KEYS,
     SURFACE,
     "report.html",
-    *meshes.names_of("crossover", meshes.MeshResult.formats),
+    *names_of("crossover", MeshResult.formats),
 )
 
 
@@ -475,7 +476,7 @@ def _take_plain_crossing(fabric):
     )
 
 
-def fractions_note(built: meshes.MeshResult, used: str) -> str:
+def fractions_note(built: MeshResult, used: str) -> str:
     """Say that the fibre fractions of the mesh are not those that the fabric states.
 
     Parameters
@@ -617,7 +618,7 @@ class CalibrationResult(Result):
     uses = ("crossover",)
 
     calibration: Calibration
-    mesh: meshes.MeshResult
+    mesh: MeshResult
     around: LawRange | None = None
     solid: SolidFit | None = None
     resumable: bool = False

@@ -15,7 +15,7 @@ from fabrics.base.checks import FilePath
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from weavecell.api.result import Result, figure
+from weavecell.answers.result import Result, figure
 from weavecell.report import crossover_cases, pictures_crossover
 from weavecell.results import json_file, out_folder
 

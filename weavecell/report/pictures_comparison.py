@@ -19,7 +19,7 @@ def difference(pyplot: Any, result: Any) -> Any:
 
     Parameters
     ----------
-    result : weavecell.api.comparison.ComparisonResult
+    result : weavecell.answers.comparison.ComparisonResult
     """
     figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(5.6, 6), height_ratios=(3, 1))
     for name, one in zip(result.names, (result.a, result.b)):

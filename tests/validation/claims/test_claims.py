@@ -173,6 +173,15 @@ def test_claims_that_are_judged_again_leave_the_rows_of_others(tmp_path, monkeyp
     assert "golden rows none" not in renewed
 
 
+def test_a_cause_that_is_written_anew_reaches_a_row_that_is_not_judged_again():
+    """It is a sentence of the ledger, and no number."""
+    claim = claim_of("h: 1.0 > 2", cause="of two\n lines", because="reading", verdict=judge.MISSED)
+    row = {"id": claim.id, "verdict": judge.MISSED, "cause": "earlier", "computed": "h 1"}
+    assert table.explained(claim, row) == row | {"cause": "of two lines", "because": "reading"}
+    held = row | {"verdict": judge.REPRODUCED, "cause": ""}
+    assert table.explained(claim, held) == held | {"because": ""}
+
+
 def test_a_golden_claim_that_has_moved_is_named():
     """Verdict and numbers are compared, of each that is golden and of no other."""
     rows = [
@@ -236,6 +245,9 @@ def test_every_claim_has_a_topic_a_reason_and_one_state():
             True
         ) == 1, claim.id
         assert claim.reason or not claim.conditions, claim.id
+        missed = claim.verdict == judge.MISSED
+        assert bool(claim.cause) == missed, claim.id
+        assert (claim.because in judge.CAUSES) == missed, claim.id
         marks = [claim.against, claim.data, claim.incomparable]
         assert sum(map(bool, marks)) <= bool(claim.conditions), claim.id
 

@@ -22,8 +22,9 @@ from fabrics.compression import CompressionLaw
 from shellfabric.membrane.indicator import Indicator
 from tests.programs import printed
 from tests.weavecell.session_runs import fired
+from weavecell.answers.target import Target
 from weavecell.api import keywords, quantities
-from weavecell.api.target import Target, resolve_target
+from weavecell.api.target import resolve_target
 from weavecell.scenes.impact import Scene
 from weavecell.studies import lambert_jonas
 from weavecell.studies.ballistic_limit import Limit, Shot

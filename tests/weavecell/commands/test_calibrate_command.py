@@ -41,11 +41,11 @@ def fitted(monkeypatch):
         law_range, "path_jobs", lambda *chosen, **more: paths(*chosen, SHORT, **more)
     )
     monkeypatch.setattr(law_range, "SIZE", (2, 2, 2))
-    # shots of the law and of both ends, 9 CPU s
+    # shots of the law and of both ends, 18 CPU s
     monkeypatch.setattr(
         calibration.law_effect,
         "find_effect",
-        lambda fabric, law, report: LawEffect(60.0, (0.0185, 0.0206, 0.0171)),
+        lambda fabric, law, report: LawEffect(60.0, (0.0185, 0.0206, 0.0171), (52.0, 50.2, 53.3)),
     )
     monkeypatch.setattr(
         law_range.run_cache, "results", lambda function, runs, **_: [function(*one) for one in runs]
@@ -163,7 +163,10 @@ def test_one_fabric_from_its_biaxial_tests(succeed, command, tmp_path, small, fi
     assert law.spread is not None
     assert law.sample((0.9, 0.2)) != law
     assert law.outside_ends() == []
-    assert told(out)["shots"] == "its range moves a ply's dent at 60 m/s by -7.6 to +11 %"
+    assert told(out)["shots"] == (
+        "its range moves the dent of a pinned ply at 60 m/s by -7.6 to +11 % "
+        "and its critical velocity in 80 mm by -3.5 to +2.5 %"
+    )
     assert table_of(tmp_path / "c", "law-range.json")["shots"]["velocity_m_s"] == 60
     for words, said in (
         ("--fitted free", "fitted = 'free': must be a test of both directions"),

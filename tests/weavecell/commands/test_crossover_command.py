@@ -144,7 +144,7 @@ def test_a_twill_is_stretched_in_its_own_cell(succeed, command, tmp_path, monkey
         (line, "domain = 'whole': must be periodic: one crossover of a twill 2/2 is no cell of it"),
         (
             f"{line} --domain periodic".replace("t.toml", "b.toml"),
-            "FABRIC = 't': is a crowfoot, no symmetry of which",
+            "FABRIC = 't': is a crowfoot, no symmetry of which turns each yarn round",
         ),
         (
             "crossover shear t.toml --domain periodic",

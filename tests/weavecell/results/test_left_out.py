@@ -68,7 +68,7 @@ def test_what_is_computed_is_not_left_out():
 
 
 def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
-    from weavecell.api.target import list_assumptions
+    from weavecell.answers.target import list_assumptions
 
     setup = wc.setup("S-720", "150 m/s", opening="60 mm")
     resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
