@@ -42,8 +42,8 @@ PHASES = {
     "picture of the panel": ("weavecell.report.shot.view", "still"),
     "other pictures": ("weavecell.report.pictures", "render"),
     "ParaView series": ("weavecell.results.vtk", "write_panel"),
-    "histories.h5, summary.json": ("weavecell.api.shots", "ShotResult.save_numbers"),
-    "rest of the report": ("weavecell.api.shots", "ShotResult.save"),
+    "histories.h5, summary.json": ("weavecell.answers.shot", "ShotResult.save_numbers"),
+    "rest of the report": ("weavecell.answers.shot", "ShotResult._write"),
 }
 
 

@@ -1,4 +1,5 @@
-"""A guard on the memory of a test process; the command line, tools and folders of a session as fixtures.
+"""A guard on the memory of a test process and a report of what quick tests cost; the command line, tools and folders
+of a session as fixtures.
 
 What makes a process grow are results held by fixtures, caches without a bound, and code compiled in it.
 """
@@ -22,6 +23,9 @@ os.fsync = lambda descriptor: None
 LIMIT = 2600  # [MiB] resident, of one process at its peak, which compiles its kernels
 STATUS = Path("/proc/self/status")
 _growth = {}
+CAP = 1.3  # [CPU s] of a quick test with what it sets up; machines differ by 2.5, so a dearer one is told, not failed
+COST = "CPU s"  # name of the property of a report that has it
+_costs = {}
 
 
 def peak():
@@ -35,10 +39,40 @@ def peak():
     return float(found[0][1]) / 1024 if found else 0.0
 
 
+def spent():
+    """[s] CPU time of this process and of those it started, as far as they have ended."""
+    return sum(os.times()[:4])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """Note when a test begins, in CPU time."""
+    item.began = spent()
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_teardown(item):
-    """Note by how much a test, with what it set up, has raised the peak."""
+    """Note by how much a test, with what it set up, has raised the peak, and what it has cost."""
     _growth[item.nodeid] = peak() - sum(_growth.values())
+    item.user_properties.append((COST, spent() - item.began))
+
+
+def pytest_runtest_logreport(report):
+    """Gather what the quick tests of all processes cost."""
+    if report.when == "teardown" and not {"slow", "nightly", "printed"} & set(report.keywords):
+        _costs[report.nodeid] = dict(report.user_properties)[COST]
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Name the quick tests above the cap, the dearest first."""
+    dear = sorted((name for name in _costs if _costs[name] > CAP), key=_costs.get, reverse=True)
+    if dear:
+        terminalreporter.section(
+            f"{len(dear)} of {len(_costs)} quick tests take more than {CAP} CPU s, "
+            f"{sum(map(_costs.get, dear)):.0f} of {sum(_costs.values()):.0f} CPU s"
+        )
+    for name in dear:
+        terminalreporter.line(f"{_costs[name]:5.1f} s  {name}")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -22,7 +22,7 @@ DECORATORS = (
     "fabrics/base/kernel_cache.py",
 )
 # folders of weavecell that read results, and files in them that read what they have made or what is shipped
-ABOVE_RESULTS = ("api", "cli", "decks", "report")
+ABOVE_RESULTS = ("answers", "api", "cli", "decks", "report")
 READ_THEIR_OWN = (
     "weavecell/report/shot/beside.py",
     "weavecell/report/chapters_discretisation.py",

@@ -11,6 +11,7 @@ from pydantic import WithJsonSchema
 
 from fabrics.base.schema import MayHaveRange, mark, unit_of
 from weavecell.api import keywords
+from weavecell.scenes import scene_text
 from weavecell.scenes.impact import Scene
 
 HEAD = '''class Keywords(TypedDict, total=False):
@@ -52,7 +53,7 @@ def text() -> str:
     for key, table in ordered():
         field = None
         if table:
-            field = keywords.fields_of(Scene, table)[key]
+            field = scene_text.fields_of(Scene, table)[key]
         entry = f"{key} : {meaning(key, field)}"
         wrapped = textwrap.fill(
             entry, 100, initial_indent=" " * 4, subsequent_indent=" " * 8, break_on_hyphens=False

@@ -329,6 +329,20 @@ def measured_of_earlier_code() -> str:
     return f"\n\n{of_earlier_code(quantities)}\n\n"
 
 
+def coverage_by_level() -> str:
+    """Tabulate how many measured numbers with a u_val lie in the intervals of 50 and 90 %, by level."""
+    counted = [row for row in table("measured.csv") if row["E_over_u_val"]]
+    rows = [["level", "numbers", "in the interval of 50 %", "of 90 %"]]
+    for level in (*dict.fromkeys(row["level"] for row in counted), "all"):
+        own = [row for row in counted if level in (row["level"], "all")]
+        numbers = [level, str(len(own))]
+        for coverage in (statistics.MIDDLE, statistics.COVERAGE):
+            inside = sum(statistics.is_within(row, coverage) for row in own)
+            numbers.append(f"{inside} ({inside / len(own):.0%})")
+        rows.append(numbers)
+    return f"\n\n{markdown(rows)}\n"
+
+
 def critical_velocities() -> str:
     """Tabulate the critical velocities of one ply of the six fabrics, beside the shots of the
     captions."""
@@ -428,7 +442,10 @@ MARKED: dict[str, dict[str, Callable[[], str]]] = {
         "critical velocities": critical_velocities,
         "claims": claims_page.in_words,
     },
-    "docs/reports/measured.md": {"earlier code": measured_of_earlier_code},
+    "docs/reports/measured.md": {
+        "earlier code": measured_of_earlier_code,
+        "coverage": coverage_by_level,
+    },
     "docs/reports/material-tests.md": {"compression laws": compression_laws},
     "validation/reports/claims.md": {
         "how they were made": claims_page.made,

@@ -1,9 +1,6 @@
 """Contact force of a crossover whose yarns resist bending, for the threshold of slip alone (equations:
 docs/theory-panel.md, "Yarn pull-out"). Tensions and forces on the nodes stay those of the flexible
 cell, whose yarns press back under tension only.
-
-Yarns of fibres that slide freely on one another have the lower bound of the bending stiffness, those
-of a solid section of the fibres' area the upper one (`bending_bounds`).
 """
 
 from __future__ import annotations
@@ -14,24 +11,12 @@ import numpy as np
 from scipy.special import ellipe, ellipk
 
 from fabrics.base.checks import FloatArray
-from fabrics.yarn import Yarn
 from shellfabric.cell.crossover_kernels import VARIATIONAL, work_share
 from shellfabric.cell.model import CellModel, CellTable
 from shellfabric.cell.state import CellYarn
 
 FORCES = 240  # contact forces at which the heights are tabulated, from 0 to the largest
 BISECTIONS = 60
-
-
-def bending_bounds(yarn: Yarn, fibre_diameter: float = 12e-6) -> tuple[float, float]:
-    """Compute the (lowest, highest) [N m2] bending stiffness of a yarn: of its fibres alone, and of
-    a solid section.
-
-    fibre_diameter : [m]; 12 um is that of aramid fibres
-    """
-    modulus = yarn.EA / yarn.A_s
-    fibres = yarn.A_s / (0.25 * pi * fibre_diameter**2)
-    return fibres * modulus * pi * fibre_diameter**4 / 64, modulus * yarn.A_s**2 / (4 * pi)
 
 
 def centreline(yarn: CellYarn, w: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,10 +9,10 @@ from tests.fuzz import runs, scenes
 SEED = 0
 
 
-# the first scene takes longer than the next six together
+# one ply and four, of 2 CPU s together; of the first five the others take 20
 @pytest.mark.parametrize(
     "chosen",
-    [range(1, 6), pytest.param(range(40), marks=[pytest.mark.nightly, pytest.mark.slow(400)])],
+    [range(3, 5), pytest.param(range(40), marks=[pytest.mark.nightly, pytest.mark.slow(400)])],
     ids=lambda chosen: f"{len(chosen)}",
 )
 def test_random_scenes_end_as_their_input_says_with_balanced_energy(tmp_path, chosen):
@@ -40,7 +40,7 @@ def test_random_scenes_end_as_their_input_says_with_balanced_energy(tmp_path, ch
 def test_packs_before_a_block_are_set_ups(tmp_path):
     read = set()
     turned = set()
-    for index in range(12):
+    for index in range(5):
         _, setup = runs.setup_of(scenes.scene("backed1", index).write(tmp_path))
         assert setup.backing is not None
         assert setup.plies > 1

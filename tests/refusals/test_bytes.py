@@ -22,7 +22,7 @@ from fabrics import catalogue
 from fabrics.base import executors, files, read_formats
 from fabrics.base.errors import InputError, WeavecellError
 from tests.scene_text import impact_scene
-from weavecell.api.lists import format_for_terminal
+from weavecell.answers.tables import format_for_terminal
 from weavecell.results import termination
 
 COUNT = int(os.environ.get("WEAVECELL_BYTES", "40"))

@@ -1,4 +1,4 @@
-"""The meshes of S-720 that most tests share, and its calibration on the coarse one, made once for all processes.
+"""The meshes of S-720 that most tests share, and its calibration on a small one, made once for all processes.
 
 pytest loads this file in the process that starts the others too. There dolfinx is not imported: it would set up MPI,
 whose variables of the environment (OMPI_*, PMIX_*) they would inherit, and `mpiexec` ends at once where it finds them.
@@ -11,6 +11,8 @@ from types import SimpleNamespace
 import pytest
 
 from fabrics import catalogue
+
+SIZE = (4, 3, 2)  # the smallest with a middle row
 
 if find_spec("dolfinx") is None:
     collect_ignore_glob = ["*.py", "*/*.py"]
@@ -35,30 +37,36 @@ def coarse(meshed):
 
 
 @pytest.fixture(scope="session")
+def few(meshed):
+    """A whole crossover of few elements: for tests of equations, where the next finer mesh differs by a tenth."""
+    return meshed(domain="whole", size=(3, 2, 2))
+
+
+@pytest.fixture(scope="session")
 def tiny(meshed):
     """The smallest mesh with a middle row: for tests of equations, not of answers."""
-    return meshed(size=(4, 3, 2))
+    return meshed(size=SIZE)
 
 
 @pytest.fixture(scope="session")
 def whole(meshed):
     """A whole crossover of elements as those of `tiny`."""
-    return meshed(domain="whole", size=(4, 3, 2))
+    return meshed(domain="whole", size=SIZE)
 
 
 @pytest.fixture(scope="session")
 def calibrated(s720, shared):
-    """Calibration of S-720 on the coarse mesh: found, folder, and what was told of its progress.
+    """Calibration of S-720 on the mesh of `tiny`: found, folder, and what was told of its progress.
 
     The first process solves the paths, and all take them from their files.
     """
     from unitcell3d.identify.calibrate import calibrate
 
-    folder = shared("calibration", lambda folder: calibrate(s720, size="coarse", out=folder))
+    folder = shared("calibration", lambda folder: calibrate(s720, size=SIZE, out=folder))
     progress = {}
 
     def watch(fabric, path, share):
         progress[path] = share
 
-    found = calibrate(s720, size="coarse", out=folder, resume=True, on_progress=watch)
+    found = calibrate(s720, size=SIZE, out=folder, resume=True, on_progress=watch)
     return SimpleNamespace(found=found, folder=folder, progress=progress)

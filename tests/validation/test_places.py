@@ -1,6 +1,7 @@
 """The cases of studies of noses that strike anywhere: what they read off, and what they draw."""
 
 from math import nan
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from shellfabric.membrane import quality
 from validation.cases import places
 from weavecell.runs import sweep
+from weavecell.runs.span import Span
 from weavecell.runs.table import Shot
 from weavecell.studies import shot_row
 
@@ -93,3 +95,34 @@ def test_methods_share_their_draws_and_differ_in_the_yarns(monkeypatch):
     assert {row.draw for row in seen} == {seen[0].draw}
     assert default.zone.width < whole.zone.width == np.inf
     assert pinned.crossovers is None
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_load_is_that_of_yarns_just_before_the_first_fails_and_shots_are_drawn_alike(monkeypatch):
+    """The tension of one yarn is near its strength, of none beyond; a nose whose shots all end alike has no V50."""
+    studied = []
+
+    def study(setup, scatter, *, shots, seed, folder):
+        studied.append((shots, seed))
+        span = Span(40.0, 35.0, 46.0)
+        told = [Shot(30.0, 0.0, False), Shot(50.0, 20.0, True), Shot(45.0, 9.0, True)]
+        posterior = SimpleNamespace(velocities={"V50": span}) if seed == 3 else None
+        return SimpleNamespace(shots=told, posterior=posterior, failures=("lost",), doubtful=2)
+
+    monkeypatch.setattr(places.v50, "study", study)
+    scene = {
+        "fabric": "S-728",
+        "opening": "30 mm",
+        "projectile": {"mass": "7 g", "diameter": "9 mm", "edge_radius": "0.4 mm"},
+    }
+    found = places.load(velocity=60.0, shots=3, seed=3, **scene)
+    warp, weft = found["tensions"]
+    assert 0.8 < max(warp.max(), weft.max()) <= 1.02
+    assert found["loaded"] == np.sum(warp > 0.5) + np.sum(weft > 0.5) > 2
+    assert 0 < found["taken"] < 0.5 * 7e-3 * 60.0**2
+    assert found["error"] == pytest.approx(5.5 / 1.6449, rel=1e-3)
+    assert [found[key] for key in ("least", "perforated", "fired", "failures")] == [45.0, 2, 3, 1]
+    alike = places.load(velocity=60.0, shots=3, seed=4, share=0.9, **scene)
+    assert np.isnan(alike["v50"])
+    assert 0 < alike["loaded"] < found["loaded"]
+    assert studied == [(3, 3), (3, 4)]

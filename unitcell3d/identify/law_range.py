@@ -1,7 +1,8 @@
 """The range of a compression law: how a and b move together over what is not known of the crossover: the
 constants of an assumed solid, or what measurements leave open of a fitted one; thickness and warp's share
-behind an unknown crimp; whose fibre fraction the solid has; the mesh. For each end of each the paths are
-solved on the mesh `SIZE`, and a law is fitted. What counts is its ratio to the law of the best values there,
+behind an unknown crimp, or the range of a stated one; whose fibre fraction the solid has; the mesh. For
+each end of each the paths are solved on the mesh `SIZE`, and a law is fitted. What counts is its ratio
+to the law of the best values there,
 
     e = (ln a' / a, ln b' / b),    covariance = sum of e e^T / z^2,   z = 1.96: ends are those of 95 %
 
@@ -24,6 +25,7 @@ from fabrics.base import run_cache
 from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.compression import NORMAL_95, CompressionLaw
+from fabrics.data_sheet import FAMILIES
 from fabrics.fabric import Fabric
 from fabrics.variants import with_solids
 from meshing.inputs import Size
@@ -127,7 +129,23 @@ def list_unknowns(
         if name.startswith("warp share"):
             name = "warp share"
         found[name] = (*found.get(name, ()), (end, fraction))
+    for name, ends in _ends_of_stated_crimp(fabric).items():
+        found[name] = tuple((end, fraction) for end in ends)
     return found
+
+
+def _ends_of_stated_crimp(fabric):
+    """Return {crimp that the file states with a range: (the fabric with its low end, with its high end)}"""
+    ends = {}
+    for number, family in enumerate(FAMILIES):
+        ratios = fabric.ranges.get(f"{family}.crimp")
+        if ratios is not None:
+            pair = np.ones((2, 2))
+            pair[:, number] = ratios
+            ends[f"{family} crimp"] = tuple(
+                assumed.scale_ranged(fabric, "crimp", tuple(each)) for each in pair
+            )
+    return ends
 
 
 def _ends_of_solid(fabric):

@@ -67,7 +67,7 @@ def of_own_crossings(
             fits.append(CompressionLaw.fit(F, d))
         except InputError as none:
             raise UnstableError(
-                f"the paths of {woven.name} on a small mesh give no law: {problem or none}"
+                f"{woven.name}, a {pattern.name} weave: paths on a small mesh give no law: {problem or none}"
             ) from none
     plain, own = fits
     a = own.a / plain.a

@@ -96,6 +96,8 @@ class YarnsModel:
     InputError : the fabric has no solid laws, or is not the one that was meshed
     """
 
+    called = "crossover"  # in messages
+
     def __init__(
         self,
         mesh: YarnMesh,

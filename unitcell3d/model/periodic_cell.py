@@ -163,6 +163,7 @@ class CellModel(YarnsModel):
     ) -> None:
         check(mesh, fabric)
         pattern = fabric.weave.pattern
+        self.called = f"cell of a {pattern.name} weave"
         symmetries = [each for each in pattern.symmetries if each.keeps_shear or not sheared]
         if isinstance(mesh, Patch):
             *least, parity = pattern.cell

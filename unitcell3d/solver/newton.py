@@ -334,7 +334,7 @@ class Newton:
         if np.isfinite(load.plates):
             when += f", plates {2e3 * load.plates:.5g} mm apart"
         raise UnstableError(
-            f"the crossover found no equilibrium: {what}",
+            f"the {self.model.called} found no equilibrium: {what}",
             where=f"{yarn} element {cell} (least volume ratio {ratio:.3g}{inverted})",
             when=when,
         )

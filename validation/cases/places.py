@@ -5,22 +5,28 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
-from statistics import fmean, median, stdev
+from statistics import NormalDist, fmean, median, stdev
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
 
+from shellfabric.loop.pack_solver import PackSolver
+from shellfabric.yarns.state import Zone
 from validation.cases import impact, noses
 from validation.values import Values
 from weavecell.runs import sweep, table, v50
+from weavecell.runs.span import CONFIDENCE
 from weavecell.studies import ballistic_limit, inputs, places, strengths, unknown
 
 # of an indicator in words, "name 0.2 (limit 0.1; remedy); name 3 (...)", the name
 OF_A_DOUBT = re.compile(r"(?:^doubtful: |\); )([a-z][a-z -]*?) -?[\d.]")
+FINELY = 1e-6  # [s] between looks for the first failure
+OF_SHOTS = ("v50", "low", "high", "error", "least", "fired", "perforated", "failures", "doubtful")
 
 
 def stop(*, number: int, velocities: tuple[float, float], seed: int = 1, **keywords: Any) -> Values:
@@ -110,6 +116,65 @@ def spread(
         "doubtful": found.doubtful,
         "cpu_s": time.process_time() - began,
     }
+
+
+def load(
+    *, velocity: float, shots: int = 0, seed: int = 1, share: float = 0.5, **keywords: Any
+) -> Values:
+    """Compute how a nose loads the yarns until the first of them fails, and the V50 of drawn shots.
+
+    Parameters
+    ----------
+    velocity : [m/s] of the shot at the panel as it is, a crossover under the nose
+    shots : of the V50; 0 fires none
+    seed : of these; noses of one seed have the same draws
+    share : [-] of the strength, from which on a yarn counts as loaded
+    keywords : of `impact.setup`; the friction on the nose is the assumed one, where none is given
+
+    Returns
+    -------
+    dict with loaded, the number of yarns; taken [J] from the projectile until then; time [s]; tensions (warp, weft),
+    the highest of each yarn [-] over its strength; v50, low, high, its 90 % interval, error, the standard one [m/s];
+    least, the lowest velocity that perforated [m/s]; fired, perforated, failures, doubtful, counts of shots. Without
+    the shots, or a V50, these are NaN
+    """
+    this = table.as_fired(
+        places.resolve(impact.setup(velocity=velocity, nose_friction=noses.ASSUMED, **keywords))
+    )
+    target = this.target(this.table(kept=True))
+    solver = PackSolver(target, velocity, ballistic_limit.UNDECIDED, interval=FINELY)
+    with suppress(impact.YarnFailed):
+        solver.run([impact.end_at_a_failure])
+    tensions = find_tensions(solver.part("yarns").zone)
+    left = solver.sample("kinetic_projectile")[-1]
+    found: Values = {
+        "tensions": tensions,
+        "loaded": sum(int((family > share).sum()) for family in tensions),
+        "taken": float(solver.strike_energy - left),
+        "time": float(solver.time),
+    }
+    found |= dict.fromkeys(OF_SHOTS, float("nan"))
+    if not shots:
+        return found
+    with TemporaryDirectory() as folder:
+        of = v50.study(this, inputs.read_scatter(), shots=shots, seed=seed, folder=folder)
+    passed = [shot.velocity for shot in of.shots if shot.perforated]
+    found |= {"fired": len(of.shots), "perforated": len(passed), "failures": len(of.failures)}
+    found |= {"doubtful": of.doubtful, "least": min(passed, default=float("nan"))}
+    if of.posterior is not None:
+        span = of.posterior.velocities["V50"]
+        found |= {"v50": span.value, "low": span.low, "high": span.high}
+        found["error"] = span.half / NormalDist().inv_cdf(0.5 + 0.5 * CONFIDENCE)
+    return found
+
+
+def find_tensions(zone: Zone) -> tuple[np.ndarray, np.ndarray]:
+    """Find the highest tension of each yarn over its strength [-]: (warp yarns,), (weft yarns,)."""
+    found = []
+    for first, count, nodes in zip(zone.first, zone.yarns, zone.nodes):
+        own = slice(first, first + count * nodes)
+        found.append((zone.tension[own] / zone.strength[own]).reshape(count, nodes).max(axis=1))
+    return found[0], found[1]
 
 
 def take(*, shots: int, seed: int = 1, whole_zone: bool = False, **keywords: Any) -> Values:

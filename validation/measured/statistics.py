@@ -21,6 +21,7 @@ import numpy as np
 from validation.values import rms
 
 COVERAGE = 1.645  # u_val on either side that are the interval of 90 % which all answers have
+MIDDLE = 0.6745  # that are the interval of 50 %
 WITHIN = "within 90 %"  # column of measured-quantities.csv
 
 
@@ -51,8 +52,8 @@ def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[flo
     return Statistics(exp(logs.mean() + (model**2 - counted**2) / 2), model, test)
 
 
-def is_within(row: Mapping[str, str]) -> bool:
+def is_within(row: Mapping[str, str], coverage: float = COVERAGE) -> bool:
     """Tell whether a row of measured.csv that is computed is within; else a difference is shown."""
     if row["E_over_u_val"]:
-        return abs(float(row["E_over_u_val"])) <= COVERAGE
+        return abs(float(row["E_over_u_val"])) <= coverage
     return row["measured"] == (row["computed"] or row["coarse"])

@@ -19,8 +19,8 @@ from fabrics.base.errors import InputError
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.schema import read_toml
 from fabrics.fabric import Fabric
+from weavecell.answers.result import Result
 from weavecell.api.entrance import public
-from weavecell.api.result import Result
 from weavecell.api.target import is_input_file, read_target, resolve_target, unknown_target
 from weavecell.results import provenance, sources
 from weavecell.results.result_folder import KINDS, open_folder

@@ -13,8 +13,8 @@ import functools
 import inspect
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, fields
 from itertools import count
 from pathlib import Path
@@ -24,10 +24,9 @@ from typing import Any, ClassVar, Generic, ParamSpec, TypeVar, cast
 from fabrics.base import files, run_cache
 from fabrics.base.counted import counted
 from fabrics.base.errors import InputError, UnstableError, interrupts
+from weavecell.answers.result import Result
 from weavecell.api import entrance, gone
 from weavecell.api.execution import Execution
-from weavecell.api.result import Result
-from weavecell.api.target import Target
 from weavecell.results import out_folder, progress
 
 Parameters = ParamSpec("Parameters")
@@ -287,49 +286,3 @@ def keep_runs(folder: Path | None, resume: bool, name: str) -> Iterator[Path]:
         if not resume:
             run_cache.RunCache(runs).clear()
         yield runs
-
-
-def without_effect(
-    function: Callable[..., Any],
-    arguments: Sequence[Any],
-    given: Mapping[str, Any],
-    others: Mapping[str, Sequence[Any]],
-) -> list[str]:
-    """Name the options that are taken and change nothing: with any of `others` the plan is the same,
-    and none is refused.
-
-    Parameters
-    ----------
-    function : a command
-    given : the options beside which they are tried
-    others : {option: values}
-    """
-    plan = function.plan  # type: ignore[attr-defined]
-    silent = []
-    for option, values in others.items():
-        # a value that is refused has an effect
-        with suppress(InputError):
-            made = {digest(plan(*arguments, **{**given, option: value})) for value in values}
-            if len(made) == 1:
-                silent.append(option)
-    return silent
-
-
-def digest(made: Any) -> str:
-    """Return the digest of a plan: two of one digest do the same."""
-    parts = {one.name: _without_scene(getattr(made, one.name)) for one in fields(made)}
-    return run_cache.inputs_digest(parts)
-
-
-def _without_scene(value):
-    """A field of a plan as a digest takes it: of a Target its set-up, of a table its columns,
-    of a function its name."""
-    if isinstance(value, Target):
-        return value.setup
-    if inspect.isfunction(value):
-        return value.__qualname__
-    if hasattr(value, "to_dict"):
-        return value.to_dict("list")
-    if isinstance(value, (tuple, list)):
-        return [_without_scene(one) for one in value]
-    return value

@@ -22,9 +22,9 @@ from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
+from weavecell.answers.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api import meshes, quantities
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.meshes import Sections
 from weavecell.api.run_size import WorkSize
@@ -442,8 +442,8 @@ def _check_weave(fabric, case, domain):
         raise InputError(line, key="fabric", value=fabric.name)
     if not pattern.holds_yarns:
         line = (
-            f"is a {pattern.name}, no symmetry of which turns each yarn round: nothing holds its yarns along "
-            "in their cell, which is not solved"
+            f"is a {pattern.name}, no symmetry of which turns each yarn round, so nothing holds its yarns along in "
+            "their cell: must be a weave that has one, such as plain, basket 2x2, twill 2/2 or satin 5"
         )
         raise InputError(line, key="fabric", value=fabric.name)
     if domain != "periodic":

@@ -19,7 +19,7 @@ from typing import Any, ParamSpec, TypeVar, cast
 from fabrics.base import written
 from fabrics.base.errors import InputError
 from fabrics.base.values import plain
-from weavecell.api.result import Result
+from weavecell.answers.result import Result
 
 Parameters = ParamSpec("Parameters")
 Returned = TypeVar("Returned")

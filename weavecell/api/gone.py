@@ -18,6 +18,10 @@ GONE = {
     ),
     "critical_velocity": dict.fromkeys(
         ("interval", "assumed_range"), f"one limit is searched, and {_V50}"
+    )
+    | dict.fromkeys(
+        ("scan_above", "scan_below", "scan_step"),
+        "--scan looks 25 % above and 10 % below, every 2 %",
     ),
     "v50": {"assumed_range": _DRAWN}
     | dict.fromkeys(("weibull_shape", "modulus_cov", "crimp_cov"), _SCATTER),

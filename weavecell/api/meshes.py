@@ -1,11 +1,4 @@
-"""The mesh of a crossover or a woven patch.
-
-The folder of `weavecell mesh`
-    crossover.msh, crossover.vtu    or patch.*; the formats requested (OpenRadioss:
-                                    crossover_0000.rad)
-    crossover.png, quality.png      the mesh, and the scaled Jacobian of its elements
-    mesh.json                       size, quality, overlap, provenance
-"""
+"""The mesh of a crossover or a woven patch."""
 
 from __future__ import annotations
 
@@ -14,7 +7,6 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
@@ -22,17 +14,14 @@ from fabrics import assumed, catalogue
 from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError
-from fabrics.base.frozen import explain_frozen
 from fabrics.fabric import Fabric
+from weavecell.answers.mesh import MeshResult, names_of
 from weavecell.api import quantities
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.result import Result, plain
 from weavecell.api.run_size import WorkSize
-from weavecell.results import out_folder, progress
 
 if TYPE_CHECKING:
     from meshing.mesh import YarnMesh
-    from shellfabric.membrane.indicator import Indicator
 
 FORMATS = ("msh", "geo", "vtu", "k", "inp", "rad")
 SIZES = ("coarse", "medium", "fine", "auto")
@@ -79,7 +68,7 @@ class Geometry(Sections, total=False):
 
 
 @dataclass(frozen=True)
-class MeshPlan(Plan["MeshResult"]):
+class MeshPlan(Plan[MeshResult]):
     """A mesh that is about to be made.
 
     Parameters
@@ -183,19 +172,6 @@ def mesh(
     if patch is not None:
         count = _count(patch)
     return MeshPlan(fabric, domain or "quarter", count, options, tuple(dict.fromkeys(formats)))
-
-
-def names_of(stem: str, formats: Sequence[str]) -> list[str]:
-    """Return the names of the files of a mesh: its own, pictures of it and of its quality."""
-    files = [_file(stem, suffix) for suffix in formats]
-    return [*files, f"{stem}.png", "quality.png", "mesh.json"]
-
-
-def _file(stem, suffix):
-    # the name that OpenRadioss's starter takes
-    if suffix == "rad":
-        return f"{stem}_0000.rad"
-    return f"{stem}.{suffix}"
 
 
 def read_fabric(fabric: Fabric | FilePath) -> Fabric:
@@ -348,125 +324,3 @@ def of_calibration(fabric: Fabric, size: Any) -> MeshResult:
     if isinstance(size, MeshFile):
         return MeshResult(fabric, build(fabric, "quarter", size=size), ("vtu",))
     return MeshResult(fabric, build(fabric, "whole", size=size))
-
-
-@explain_frozen
-@dataclass(frozen=True, repr=False)
-class MeshResult(Result):
-    """The mesh of a crossover or a woven patch.
-
-    Parameters
-    ----------
-    fabric : Fabric that is meshed
-    mesh : `meshing.crossover.Crossover` or `meshing.patch.Patch`
-    formats : suffixes of the files that `save` writes
-
-    Examples
-    --------
-    >>> wc.mesh("S-720", mesh="coarse").mesh.points.shape
-    (378, 3)
-    """
-
-    kind = "mesh"
-    uses = ("mesh",)
-
-    fabric: Fabric
-    mesh: Any
-    formats: tuple[str, ...] = ("msh", "vtu")
-
-    @cached_property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Quality checks: distortion of hexahedra, overlap of yarns."""
-        from weavecell.studies import crossover_checks
-
-        return crossover_checks.of_mesh(self.mesh, self.fabric.weave.thickness)
-
-    @property
-    def stem(self) -> str:
-        """Name of the files without suffix: "crossover" or "patch"."""
-        if hasattr(self.mesh, "count"):
-            return "patch"
-        return "crossover"
-
-    @property
-    def domain(self) -> str:
-        """ "quarter", "whole" or "periodic", or the yarns of a patch."""
-        if self.stem == "patch":
-            return "{} warp x {} weft yarns".format(*self.mesh.count)
-        return self.mesh.domain
-
-    @property
-    def fibre_bars(self) -> tuple[int, int]:
-        """Numbers of fibre bars of warp and weft."""
-        bars = [0, 0]
-        for lines, family in zip(self.mesh.bars, self.mesh.families):
-            bars[family] += len(lines)
-        return bars[0], bars[1]
-
-    @property
-    def sections(self) -> str:
-        """Shape of the yarns' sections, and how they were fitted."""
-        return f"{self.mesh.sections[0].kind}: {self.mesh.section_fit.report}"
-
-    def _what(self):
-        return f"{self.fabric.name}, mesh"
-
-    def _columns(self):
-        return {name: [value] for name, value in self.summary().items() if plain(value)}
-
-    def words(self) -> dict[str, str]:
-        """Return the main figures of the mesh, as texts."""
-        gap = 1e6 * self.mesh.least_gap
-        distance = f"apart by at least {gap:.2f} um"
-        if gap < 0:
-            distance = f"overlap by up to {-gap:.2f} um"
-        return {
-            "fabric": self.mesh.fabric,
-            "domain": self.domain,
-            "hexahedra": f"{len(self.mesh.hexes)}",
-            "nodes": f"{len(self.mesh.points)}",
-            "fibre bars": "{} / {} (warp / weft)".format(*self.fibre_bars),
-            "worst scaled Jacobian": f"{self.mesh.min_scaled_jacobian:.3f}",
-            "sections": self.sections,
-            "facets of the mesh": distance,
-        }
-
-    def to_vtk(self, folder: FilePath) -> Path:
-        """Write the mesh for ParaView, crossover.vtu or patch.vtu; returns its path."""
-        return self._export(Path(folder), "vtu")
-
-    def _export(self, folder, suffix):
-        from weavecell.decks import mesh_files
-
-        path = folder / _file(self.stem, suffix)
-        with out_folder.hold(folder, [path.name]):
-            mesh_files.write(self.mesh, self.fabric, path)
-        return path
-
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
-        from weavecell.report import pictures_mesh, pictures_patch, pictures_quality
-        from weavecell.results import json_file, provenance
-
-        out = Path(out)
-        with (
-            out_folder.hold(out, names_of(self.stem, self.formats)),
-            progress.bar(f"Mesh of {self.mesh.fabric}") as advance,
-        ):
-            advance(0.2, "writing")
-            for suffix in self.formats:
-                self._export(out, suffix)
-            advance(0.6, "drawing")
-            if self.stem == "patch":
-                pictures_patch.picture(self.mesh, out / "patch.png")
-            else:
-                pictures_mesh.picture(self.mesh, out / "crossover.png")
-            pictures_quality.picture(self.mesh, out / "quality.png")
-            json_file.write(
-                out / "mesh.json",
-                self.summary() | {"provenance": provenance.stamp("", self.fabric)},
-            )
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed, without what is doubtful."""
-        return [f"{key:<24}{value}" for key, value in self.words().items()]

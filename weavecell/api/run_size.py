@@ -21,12 +21,12 @@ from fabrics import assumed
 from fabrics.base.counted import counted, plural
 from fabrics.base.door import in_terminal, option
 from fabrics.base.frozen import explain_frozen
-from weavecell.api.result import Result
-from weavecell.api.wording import NOTHING, Wording
+from weavecell.answers.result import Result
+from weavecell.answers.wording import NOTHING, Wording
 
 if TYPE_CHECKING:
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.scenes.impact import Scene
 
 # lowest and highest CPU time [s] of an element and step: one ply of S-720, 2 and 4 plies of S-726 and S-728, clay and

@@ -1,20 +1,9 @@
-"""Sweeps: several shots, or an input file over values of its keys.
-
-The folder of `weavecell sweep`
-    scene.toml      the input file
-    inputs/         copies of the files that the input file names
-    sweep.csv       a row for each combination
-    sweep.json      the same, and provenance
-    sweep.png       the quantity against the first key
-    report.html     all of it on one page
-    runs/           a file for each finished run, from which `--resume` goes on
-"""
+"""Sweeps: several shots, or an input file over values of its keys."""
 
 from __future__ import annotations
 
 import itertools
 import json
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,60 +17,37 @@ from fabrics.base.door import in_terminal
 from fabrics.base.errors import InputError, nearest, together
 from fabrics.base.executors import as_done, open_executor
 from fabrics.base.files import parse_toml
-from fabrics.base.frozen import explain_frozen
-from fabrics.base.schema import entries, unit_of, unread, with_tables
+from fabrics.base.schema import unread, with_tables
 from fabrics.fabric import Fabric
+from weavecell.answers.shot import shot_of
+from weavecell.answers.sweep import NAMES, SweepResult, SweepTable, say_changes, with_unit
+from weavecell.answers.target import Target
+from weavecell.answers.wording import Wording
 from weavecell.api import keywords, quantities
 from weavecell.api.command import Plan, Running, command
 from weavecell.api.execution import Execution, ResumableKeywords
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.limits import NO_LIMIT
-from weavecell.api.result import Result, figure, plain
 from weavecell.api.run_size import StudySize, forecast_row
-from weavecell.api.shots import ShotResult, shot_of
-from weavecell.api.study_result import StudyResult
 from weavecell.api.target import (
     STRIKE,
-    Target,
     build_target,
     is_input_file,
     is_setup,
     read_target,
     resolve_target,
 )
-from weavecell.api.varied_setup import read_key, vary_setup
-from weavecell.api.wording import Wording
-from weavecell.results import display, out_folder, progress
-from weavecell.results.finding import Answer
-from weavecell.results.keys import find_axis
-from weavecell.results.left_out import LeftOut, say_nominal
+from weavecell.results import progress
 from weavecell.scenes import build
-from weavecell.scenes import impact as scenes
+from weavecell.scenes.varied_setup import vary_setup
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from shellfabric.impact.setup import ImpactSetup
-    from shellfabric.membrane.indicator import Indicator
     from weavecell.scenes.fabric_table import Reader
-
-# what a notebook shows of each shot
-_SHOWN = (
-    "fabric",
-    "strike_velocity_m_s",
-    "outcome",
-    "residual_velocity_m_s",
-    "max_deflection_m",
-    "cut_yarns",
-    "checks",
-)
-
-
-NAMES = ("sweep.json", "sweep.csv", "sweep.png", *out_folder.INPUT, "report.html")
 
 
 @dataclass(frozen=True)
-class SweepPlan(Plan["SweepTable"]):
+class SweepPlan(Plan[SweepTable]):
     """An input file that is about to be computed over values of its keys.
 
     Parameters
@@ -129,7 +95,7 @@ class SweepPlan(Plan["SweepTable"]):
         sizes = [
             forecast_row(panel, self.quantity, self.shots, self.tolerance) for panel in self.panels
         ]
-        names = list(map(_say_changes, self.combinations))
+        names = list(map(say_changes, self.combinations))
         return StudySize.add_up(self.title, names, sizes)
 
     def run(self, running: Running) -> SweepTable:
@@ -158,7 +124,7 @@ class SweepPlan(Plan["SweepTable"]):
 
 
 @dataclass(frozen=True)
-class SetupsPlan(Plan["SweepResult"]):
+class SetupsPlan(Plan[SweepResult]):
     """Set-ups that are about to be fired at, each as `impact` does.
 
     Parameters
@@ -361,7 +327,7 @@ def _refuse_alike(plan):
         if before is changes:
             continue
         key = next(key for key in changes if changes[key] != before.get(key))
-        message = f"makes the same set-up as {_say_changes(before)}"
+        message = f"makes the same set-up as {say_changes(before)}"
         raise InputError(message, key=f"over, {key}", value=changes[key])
 
 
@@ -405,7 +371,7 @@ def _panel(target, folder, reader, changes, in_si):
         varied = vary_setup(target, keys)
         panel = Target(None, varied, "", varied.title, from_file=False)
     else:
-        written = {key: _with_unit(key, value) for key, value in keys.items()} if in_si else keys
+        written = {key: with_unit(key, value) for key, value in keys.items()} if in_si else keys
         try:
             panel = read_target(str(target), folder, reader, changes=written)
         except InputError as problem:
@@ -424,36 +390,11 @@ def _panel(target, folder, reader, changes, in_si):
     return replace(panel, setup=inputs.scale_setup(panel.setup, **factors))
 
 
-def _with_unit(key, value):
-    """A value in SI units as a file has it."""
-    unit = unit_of(entries(scenes.Scene).get(key)) or "1"
-    if isinstance(value, list):
-        return [_with_unit(key, part) for part in value]
-    if unit == "1" or isinstance(value, bool) or not isinstance(value, (int, float)):
-        return value
-    return f"{value!r} {unit}"
-
-
 def _over(key, values):
     """How a user would vary a key."""
     if in_terminal():
         return f'--over "{key}={",".join(map(str, values))}"'
     return f'over={{"{key}": {json.dumps(values, default=str)}}}'
-
-
-def _say_changes(changes):
-    """What a row changes, in words."""
-    said = (f"{_say_key(key)} {_with_unit(key, value)}" for key, value in changes.items())
-    return ", ".join(said)
-
-
-def _say_key(key):
-    """A key of an input file in words, such as "panel opening"; a key without a table is a factor."""
-    words = key.replace(".", " ").replace("_", " ")
-    if "." not in key:
-        words = f"factor on {words}"
-    # it is the only one that has a velocity
-    return words.replace("projectile strike velocity", "strike velocity")
 
 
 def _hint_at_key(name, values):
@@ -498,273 +439,9 @@ def _value(text):
     return text
 
 
-@explain_frozen
-@dataclass(frozen=True, repr=False)
-class SweepTable(StudyResult):
-    """An input file over values of its keys.
-
-    Parameters
-    ----------
-    quantity : "shot", "critical-velocity" or "v50"
-    keys : of the input file
-    rows : {key or name of a result: value} of each combination
-    targets : the Target of each
-
-    Examples
-    --------
-    >>> table = wc.sweep("S-720", over=["run.end_time=5 us,10 us", "projectile.strike_velocity=150 m/s"])
-    >>> len(table.to_dataframe())
-    2
-    """
-
-    kind = "sweep"
-
-    quantity: str
-    keys: tuple[str, ...]
-    rows: tuple[dict[str, Any], ...]
-    targets: tuple[Target, ...]
-
-    @property
-    def target(self) -> Target:  # type: ignore[override]
-        """The first."""
-        return self.targets[0]
-
-    @property
-    def draws_strengths(self) -> bool:
-        """As in `StudyResult`: a V50 draws them."""
-        return self.quantity == "v50"
-
-    @property
-    def fired(self) -> ImpactSetup:
-        """As in `StudyResult`, of the first row."""
-        from weavecell.runs import table
-
-        if self.quantity == "shot":
-            return self.target.setup
-        if self.draws_strengths:
-            return table.as_fired(super().fired)
-        return super().fired
-
-    @property
-    def left_out(self) -> tuple[LeftOut, ...]:
-        """As in `StudyResult`; and what each row takes of all that nobody gave."""
-        if self.quantity == "v50":
-            return super().left_out
-        return (*say_nominal(self.target.setup, "v50"), *super().left_out)
-
-    @property
-    def _drawn(self):
-        """The `Quantity` of its columns."""
-        from weavecell.runs.sweep import QUANTITIES
-
-        return QUANTITIES[self.quantity]
-
-    def summary(self) -> dict[str, Any]:
-        """Count the rows of each outcome."""
-        return dict(Counter(row["outcome"] for row in self.rows)) | self._what_is_doubtful()
-
-    def _columns(self):
-        from pandas import DataFrame
-
-        return DataFrame(self.rows)
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """How many rows are doubtful."""
-        count = sum(str(row.get("checks", "")).startswith("doubtful") for row in self.rows)
-        if not count:
-            return ()
-        return (f"{count} of {counted(len(self.rows), 'row')}",)
-
-    @property
-    def answer(self) -> Answer:
-        """The lowest and the highest of the rows."""
-        quantity = self._drawn
-        label = find_axis(quantity.column).words
-        found = [
-            (row[quantity.column], self._changes(row).replace("panel ", ""))
-            for row in self.rows
-            if row.get(quantity.column) is not None
-        ]
-        outcomes = Counter(row["outcome"] for row in self.rows)
-        value = ended = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
-        if any(one for one, _ in found):
-            (low, least), (high, most) = min(found), max(found)
-            value = f"{label} {low:.3g} m/s ({least}) to {high:.3g} m/s ({most})"
-        over = f"{counted(len(self.rows), 'row')} over {self._varied_words}: {ended}"
-        return self._find_answer(self.title, value, over=over)
-
-    @property
-    def title(self) -> str:
-        quantity = self.quantity.replace("-", " ")
-        return f"{self.target.setup.name}, {quantity} over {self._varied_words}"
-
-    @property
-    def _varied_words(self):
-        """The keys that vary, in words."""
-        return ", ".join(map(_say_key, self._varied))
-
-    @property
-    def _varied(self):
-        """The keys with more than one value; the first key if none has."""
-        varied = [key for key in self.keys if len({str(row[key]) for row in self.rows}) > 1]
-        return varied or self.keys[:1]
-
-    def draw(self, pyplot: Any) -> Figure:
-        """Draw the quantity against the first key that varies."""
-        from weavecell.report import pictures_uncertainty
-
-        quantity = self._drawn
-        x, label = self._abscissa()
-        return pictures_uncertainty.sweep(
-            pyplot, x, label, self.to_dataframe(), self._varied[1:], quantity
-        )
-
-    def _changes(self, row):
-        """The keys that a row changes, of those that vary, in words."""
-        return _say_changes({key: row[key] for key in self._varied})
-
-    def _abscissa(self):
-        """(values, label) of the first key that varies: numbers with their unit, areal densities for numbers of
-        plies, or texts."""
-        key = self._varied[0]
-        if key == "panel.plies":
-            return [row["areal_density_kg_m2"] for row in self.rows], "areal density [kg/m²]"
-        # a key without a table is a factor
-        if "." not in key:
-            return [row[key] for row in self.rows], _say_key(key)
-        values = []
-        for panel in self.targets:
-            if panel.case is None:
-                values.append(read_key(panel.setup, key))
-                continue
-            value = panel.case.scene
-            for part in key.split("."):
-                value = getattr(value, part)
-            values.append(value)
-        words = _say_key(key)
-        # a text, a table or a truth value has no place on an axis
-        if not {*map(type, values)} <= {int, float}:
-            return [str(row[key]) for row in self.rows], words
-        unit = unit_of(entries(scenes.Scene)[key]) or "1"
-        _, factor = display.choose_unit(unit)
-        return [factor * value for value in values], display.heading(words, unit)
-
-    def files(self) -> dict[str, Any]:
-        """Return {file: what it holds}, as `StudyResult` does."""
-        content: dict[str, Any] = {"quantity": self.quantity, "rows": self.rows}
-        return {
-            "sweep.json": content,
-            "sweep.csv": self.to_csv(),
-            "sweep.png": None,
-        }
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed."""
-        from weavecell.runs.sweep import INTERVAL, MIXED, QUANTITIES
-
-        quantity = QUANTITIES[self.quantity]
-        lines = []
-        for row in self.rows:
-            value = row.get(quantity.column)
-            if value is None:
-                words = row["outcome"]
-            else:
-                words = f"{value:.1f} m/s, {row['outcome']}"
-            if row["outcome"] in (INTERVAL, MIXED):
-                words += f" from {row['lower_m_s']:.1f} to {row['upper_m_s']:.1f} m/s"
-            doubt = ""
-            if row.get("checks", "").startswith("doubtful"):
-                doubt = f", {row['checks']}"
-            lines.append(f"{self._changes(row)}: {words}{doubt}")
-        return lines
-
-
 def _fire(setup):
     """The ShotResult of a set-up, in a process of a sweep."""
     from shellfabric.impact.run import run_impact_or_partial
 
     result, problem = run_impact_or_partial(setup)
     return shot_of(resolve_target(setup, {}, "shot"), result, problem)
-
-
-@explain_frozen
-@dataclass(frozen=True, repr=False)
-class SweepResult(Result, Sequence):
-    """Results of several shots, in their order; an unstable one has the outcome "unstable".
-
-    Parameters
-    ----------
-    shots : tuple of ShotResult
-
-    Examples
-    --------
-    >>> shots = wc.sweep([wc.setup("S-720", 150, opening="20 mm", end_time="10 us")])
-    >>> len(shots), shots[0].outcome
-    (1, 'in flight')
-    """
-
-    shots: tuple[ShotResult, ...]
-
-    def __len__(self) -> int:
-        return len(self.shots)
-
-    def __getitem__(self, index: Any) -> Any:
-        return self.shots[index]
-
-    @property
-    def checks(self) -> tuple[Indicator, ...]:
-        """Each quality check of the shot in which it is worst, without unstable shots."""
-        from shellfabric.membrane import quality
-
-        return quality.worst(shot.checks for shot in self.shots if shot.outcome != "unstable")
-
-    def _what(self):
-        strikes = []
-        for shot in self.shots:
-            if shot.doubtful and shot.outcome != "unstable":
-                strikes.append(f"{shot.strike_velocity:g} m/s")
-        return (
-            f"sweep of {counted(len(self.shots), 'shot')}, doubtful at {', '.join(strikes)}; worst"
-        )
-
-    def summary(self) -> dict[str, Any]:
-        """Count the shots of each outcome and the doubtful ones, and give the worst checks in
-        words."""
-        outcomes: list[str] = [shot.outcome for shot in self.shots]
-        return {
-            "shots": len(self.shots),
-            **{name: outcomes.count(name) for name in dict.fromkeys(outcomes)},
-            "doubtful": sum(shot.doubtful for shot in self.shots),
-            "checks": self.checks_text,
-        }
-
-    def lines(self) -> list[str]:
-        """Write the lines that are printed, without what is doubtful."""
-        counts = ", ".join(
-            f"{value} {name}"
-            for name, value in self.summary().items()
-            if name not in ("shots", "checks")
-        )
-        return [f"{counted(len(self.shots), 'shot')}: {counts}"]
-
-    def _columns(self):
-        from pandas import DataFrame
-
-        return DataFrame(
-            {key: value for key, value in shot.summary().items() if plain(value)}
-            for shot in self.shots
-        )
-
-    def _notebook_table(self):
-        return self._labelled_columns(*_SHOWN)
-
-    def plot(self) -> Figure:
-        """Draw a matplotlib figure: residual against strike velocity [m/s], a line an outcome."""
-        from weavecell.report import pictures_uncertainty
-        from weavecell.runs.sweep import QUANTITIES
-
-        strikes = [shot.strike_velocity for shot in self.shots]
-        label = find_axis("strike_velocity_m_s").label
-        drawn = strikes, label, self.to_dataframe(), ["outcome"], QUANTITIES["shot"]
-        return figure(pictures_uncertainty.sweep, *drawn)

@@ -25,8 +25,8 @@ import typer
 
 from fabrics.base.errors import DoubtfulError, DoubtfulResult, InputError, UnstableError
 from fabrics.base.files import parse_toml
-from weavecell.api.lists import format_for_terminal
-from weavecell.api.result import Result
+from weavecell.answers.result import Result
+from weavecell.answers.tables import format_for_terminal
 from weavecell.report import checks
 from weavecell.results import glossary, progress
 
@@ -63,7 +63,7 @@ def command(
 
     Parameters
     ----------
-    function : returns a `weavecell.api.result.Result`; one with a parameter `out` writes the result
+    function : returns a `weavecell.answers.result.Result`; one with a parameter `out` writes the result
         there
     example : arguments that its help ends with
     keywords : of `weavecell.setup` that are options beside the function's own; lists are written as

@@ -19,7 +19,7 @@ def difference(pyplot: Any, result: Any) -> Any:
 
     Parameters
     ----------
-    result : weavecell.api.comparison.ComparisonResult
+    result : weavecell.answers.comparison.ComparisonResult
     """
     figure, (axis, lower) = pyplot.subplots(2, 1, figsize=(5.6, 6), height_ratios=(3, 1))
     for name, one in zip(result.names, (result.a, result.b)):
@@ -50,7 +50,7 @@ def _draw_probability(axis, result, name, colour):
     if posterior is None:
         axis.plot([], [], color=colour, label=f"{name}: no V50")
     else:
-        grid = np.linspace(V.min(), V.max(), 81)
+        grid = np.linspace(V.min(), V.max(), 41)
         axis.plot(grid, [span.value for span in posterior.passing(grid)], color=colour, label=label)
     axis.plot(V[~hit], np.full((~hit).sum(), -0.05 - lift), "o", ms=5, mfc="none", color=colour)
     axis.plot(V[hit], np.full(hit.sum(), 1.05 + lift), "s", ms=4.5, color=colour)

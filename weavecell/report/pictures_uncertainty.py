@@ -41,7 +41,7 @@ def perforation(pyplot: Any, study: Study) -> Any:
     figure, axis = pyplot.subplots(figsize=(NARROW, 4.6))
     if study.posterior is not None:
         ends = np.array([*study.posterior.velocities.values()])
-        grid = np.linspace(min(V.min(), ends.min()), max(V.max(), ends.max()), 81)
+        grid = np.linspace(min(V.min(), ends.min()), max(V.max(), ends.max()), 41)
         middle, low, high = np.array(study.posterior.passing(grid)).T
         axis.fill_between(grid, low, high, color=BLUE, alpha=0.18, lw=0, label="90 % interval")
         axis.plot(grid, middle, color=BLUE, label="share that passes")

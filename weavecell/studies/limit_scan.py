@@ -14,9 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from math import inf
 
-from fabrics.base.checks import refuse
 from shellfabric.membrane.indicator import Check, Indicator
 from shellfabric.membrane.model import Panel
 from shellfabric.plies.model import Pack
@@ -28,8 +26,6 @@ HIGHEST = 1000.0
 # own or one more, at LOOK
 BESIDE = 0.02, 0.08
 LOOK = 0.03
-# a range with more steps is a slip of the input
-MOST_STEPS = 1000
 MIXED = Check(
     "mixed outcomes",
     0.0,
@@ -50,24 +46,11 @@ class ScanRange:
     below : [-] range below the lowest perforation in which every shot has to stop, as a share of
         that velocity
     step : [-] between neighbouring shots, as a share of the bracket's upper end
-
-    Raises
-    ------
-    InputError : a range that is negative or, below, not less than 1; a step that is not above 0 or
-        that makes too many shots
     """
 
     above: float = 0.25
     below: float = 0.10
     step: float = 0.02
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.above < inf:
-            refuse(self, "above", "at least 0")
-        if not 0 <= self.below < 1:
-            refuse(self, "below", "at least 0 and below 1")
-        if not 0 < self.step < inf or max(self.above, self.below) > MOST_STEPS * self.step:
-            refuse(self, "step", f"above 0, and a range at most {MOST_STEPS} steps wide")
 
     def ladder(self, limit: Limit) -> list[float]:
         """List velocities [m/s] that the present shots call for, rising; those of the bracket

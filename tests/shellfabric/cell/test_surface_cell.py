@@ -107,6 +107,7 @@ def test_extension_is_continuous(fabric, lowest):
     assert (T1[5] - T1[4]) / (x[5] - x[4]) == pytest.approx(np.full(41, stiff), rel=1e-6)
 
 
+@pytest.mark.slow(4)
 def test_surface_of_the_3d_crossover(fabric):
     """A coarse 9 x 9 surface (`weavecell surface S-720 --mesh coarse`) stops the published shot as the law does.
 

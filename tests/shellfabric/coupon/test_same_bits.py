@@ -37,5 +37,4 @@ def test_a_coupon_is_the_same_to_the_bit_on_another_processor():
     native = run()
     unloaded, states, _ = native
     assert 0 < int(unloaded) < int(states)
-    assert run(OPENBLAS_CORETYPE="Sandybridge") == native
     assert run(OPENBLAS_CORETYPE="Nehalem", NPY_DISABLE_CPU_FEATURES="AVX2 FMA3") == native

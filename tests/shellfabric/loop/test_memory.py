@@ -30,7 +30,9 @@ print((peak() - before) / memory.needed(done.target.plies, len(done.snapshots)))
 @pytest.mark.parametrize(
     "given, low, high",
     [
-        ({"elements_per_crossover": 2, "end_time": "2 us"}, 0.9, 1.1),
+        pytest.param(
+            {"elements_per_crossover": 2, "end_time": "2 us"}, 0.9, 1.1, marks=pytest.mark.slow(3)
+        ),
         ({"elements_per_crossover": 2, "end_time": "8 us", "snapshot_interval": "2 us"}, 0.8, 1.1),
         # 640 bytes are the most of packs, 96 of them where plies touch
         (

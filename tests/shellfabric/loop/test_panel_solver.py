@@ -23,6 +23,7 @@ from shellfabric.state import DAMAGED, WARP_FAILED
 
 
 @cache
+@cache
 def snapping(**wrong):
     """The source's shot at S-731, whose straight weft snaps taut. The kernels get `wrong` constants, by factors."""
     setup = ImpactSetup(

@@ -187,8 +187,10 @@ def test_fronts_of_made_up_waves():
 
 @pytest.mark.parametrize(
     "crossing, end_time, length",
-    [(0.3, 60e-6, 0.92), (1.0, 70e-6, 0.84)],
-    ids=["light weft", "woven"],
+    [
+        pytest.param(0.3, 60e-6, 0.92, marks=pytest.mark.slow(4), id="light weft"),
+        pytest.param(1.0, 70e-6, 0.84, id="woven"),
+    ],
 )
 def test_straight_yarn_is_smiths(straight, crossing, end_time, length):
     """c / sqrt(1 + mass of the crossing yarn over its own), and Smith's U and tension for a yarn of that mass.

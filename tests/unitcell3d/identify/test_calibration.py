@@ -1,4 +1,4 @@
-"""Calibration of S-720 on the coarse mesh; on the least of meshes, how it is interrupted, goes on and reports."""
+"""Calibration of S-720 on a small mesh; on the least of meshes, how it is interrupted, goes on and reports."""
 
 import json
 from concurrent.futures import Executor, Future
@@ -35,19 +35,26 @@ def found(calibrated):
     return calibrated.found
 
 
-def test_the_laws_of_the_coarse_mesh_stay(found):
-    """Stored; the published law (a 0.045 mm, b 0.058 mm N^(1/3)) stands in the ledger.
+# stored: a and b of the law, the end of its range, a of warp and weft, travel of the contact
+LAWS = (45.067e-6, 56.340e-6, 119.38, 32.664e-6, 50.547e-6, 162.71e-6)
+COARSE = (44.731e-6, 57.137e-6, 120.5, 32.261e-6, 50.022e-6, 162.67e-6)
 
-    The tolerance admits another compiler's rounding through the steps, not another answer.
-    """
-    assert (found.law.a, found.law.b) == pytest.approx((44.731e-6, 57.137e-6), rel=5e-3)
-    assert found.law.residual_rms < 1.1e-6
-    assert found.law.F_range[1] == pytest.approx(120.5, rel=5e-3)
+
+def assert_laws(found, stored):
+    """Hold the laws to stored ones; the tolerance admits another compiler's rounding, not another answer."""
     warp, weft = found.yarn_laws
+    law = found.law
+    numbers = (law.a, law.b, law.F_range[1], warp.a, weft.a, found.contact.travel)
+    assert numbers == pytest.approx(stored, rel=5e-3)
     # the looser yarn, Vf0 0.62, gives more
-    assert (warp.a, weft.a) == pytest.approx((32.261e-6, 50.022e-6), rel=5e-3)
-    assert found.contact.travel == pytest.approx(162.67e-6, rel=5e-3)
-    assert found.ratio_law.residual_rms < 0.7e-6
+    assert warp.a < weft.a
+    assert law.residual_rms < 1.1e-6
+    assert found.ratio_law.residual_rms < 0.75e-6
+
+
+def test_the_laws_stay(found):
+    """The published law (a 0.045 mm, b 0.058 mm N^(1/3)) stands in the ledger."""
+    assert_laws(found, LAWS)
 
 
 def test_the_fitted_range_holds_the_forces_of_shots(found, s720):
@@ -112,7 +119,7 @@ def test_one_law_is_chosen_unless_it_leaves_too_much(found):
 def test_plates_give_another_curve(found):
     """Section 4.3.4.2: platen and biaxial calibration differ; at the same compression plates need less force."""
     force = first_reached(found.plates["F_c"], found.plates["d_c"], 30e-6)
-    assert force < 0.1 * float(found.law.F(30e-6))
+    assert force < 0.11 * float(found.law.F(30e-6))
 
 
 def test_files_hold_it_all(calibrated):
@@ -166,10 +173,12 @@ def test_every_fabric_calibrates_unattended(name):
     assert found.law.residual_rms < max(1.6e-6, 0.06 * closure)
 
 
-@pytest.mark.slow
-def test_processes_beside_each_other_change_nothing(found, s720):
-    beside = calibrate(s720, size="coarse", jobs=2)
-    assert beside.law.a == pytest.approx(found.law.a, rel=1e-9)
+@pytest.mark.slow(16)
+def test_processes_beside_each_other_change_nothing(s720):
+    """And the laws of the coarse mesh stay."""
+    beside, alone = (calibrate(s720, size="coarse", jobs=jobs) for jobs in (2, 1))
+    assert beside.law.a == pytest.approx(alone.law.a, rel=1e-9)
+    assert_laws(alone, COARSE)
 
 
 class Here(Executor):

@@ -122,3 +122,13 @@ def test_of_a_fitted_solid_its_directions_count_in_place_of_the_assumed_constant
     parts = found.parts()
     assert parts["solid, direction 1"][0, 0] == pytest.approx((0.1 / NORMAL_95) ** 2, rel=1e-2)
     assert parts["solid, direction 2"][1, 1] == pytest.approx(0.5**2 / NORMAL_95**2, rel=1e-2)
+
+
+def test_a_stated_crimp_with_a_range_is_in_it(ranged, own):
+    """Of the file's crimps each moves alone, and the other stays; without a range it is known."""
+    stated = replace(own, assumed=("solid",), ranges={"weft.crimp": (0.8, 1.25)})
+    unknowns = law_range.list_unknowns(stated, None, "mesh")
+    crimps = [[yarn.crimp for yarn in end.weave.yarns] for end, _ in unknowns.pop("weft crimp")]
+    warp, weft = (yarn.crimp for yarn in own.weave.yarns)
+    assert np.allclose(crimps, [(warp, 0.8 * weft), (warp, 1.25 * weft)], rtol=1e-12)
+    assert not any("crimp" in name or name == "thickness" for name in unknowns)

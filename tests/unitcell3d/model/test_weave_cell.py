@@ -39,7 +39,17 @@ def test_least_cell(name, cell):
     assert Pattern.read(name).cell == cell
 
 
-@pytest.mark.parametrize("name", ["plain", "basket 2x2", "twill 2/2", "twill 3/1", "satin 5"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "plain",
+        "basket 2x2",
+        "twill 2/2",
+        "twill 2/1",
+        pytest.param("twill 3/1", marks=pytest.mark.slow),
+        pytest.param("satin 5", marks=pytest.mark.slow),
+    ],
+)
 def test_a_symmetry_takes_the_mesh_into_itself(s720, name):
     """Each node to where another is, in a repeat further on or in this one."""
     fabric = woven(s720, name)

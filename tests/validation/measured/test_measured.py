@@ -48,6 +48,20 @@ def test_one_threshold_tells_what_is_within_on_pages_and_in_summaries(tool, over
     assert tool("pages").count_within([row]).startswith(f"{int(within)} of 1 within")
 
 
+def test_intervals_are_counted_by_level_and_outcomes_are_not(tool, monkeypatch):
+    pages = tool("pages")
+    rows = [("ply", 0.66), ("pack", -0.69), ("ply", -1.6), ("ply", 1.7), ("ply", "")]
+    table = [{"level": level, "E_over_u_val": str(over)} for level, over in rows]
+    monkeypatch.setattr(pages, "table", lambda name: table)
+    lines = [line.strip("|").split("|") for line in pages.coverage_by_level().strip().splitlines()]
+    told = {cells[0].strip(): [cell.strip() for cell in cells[1:]] for cells in lines[2:]}
+    assert told == {
+        "ply": ["3", "1 (33%)", "2 (67%)"],
+        "pack": ["1", "0 (0%)", "1 (100%)"],
+        "all": ["4", "1 (25%)", "3 (75%)"],
+    }
+
+
 def test_an_outcome_is_within_where_it_is_that_of_the_test():
     row = {"measured": "stopped", "computed": "", "coarse": "stopped", "E_over_u_val": ""}
     assert statistics.is_within(row)

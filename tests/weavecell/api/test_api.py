@@ -22,8 +22,9 @@ from fabrics.compression import CompressionLaw
 from shellfabric.membrane.indicator import Indicator
 from tests.programs import printed
 from tests.weavecell.session_runs import fired
+from weavecell.answers.target import Target
 from weavecell.api import keywords, quantities
-from weavecell.api.target import Target, resolve_target
+from weavecell.api.target import resolve_target
 from weavecell.scenes.impact import Scene
 from weavecell.studies import lambert_jonas
 from weavecell.studies.ballistic_limit import Limit, Shot
@@ -74,7 +75,19 @@ class Remembering:
         return call
 
 
-@pytest.mark.parametrize("name", [name for name in wc.__all__ if name != "__version__"])
+# studies of seconds, whose texts the golden texts hold
+STUDIES = ("compare", "critical_velocity", "plies")
+STUDIED = ("ComparisonResult", "CriticalVelocityResult", "PliesResult")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in STUDIES + STUDIED else ())
+        for name in wc.__all__
+        if name != "__version__"
+    ],
+)
 def test_each_public_name_has_an_example_that_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (found,) = doctest.DocTestFinder(recurse=False).find(

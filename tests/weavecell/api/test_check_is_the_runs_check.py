@@ -19,9 +19,6 @@ OPTIONS = {
     "critical_velocity": [
         "tolerance",
         "residual_shots",
-        "scan_above",
-        "scan_below",
-        "scan_step",
         "jobs",
         "executor",
     ],

@@ -69,7 +69,7 @@ def test_two_lay_ups_are_drawn_alike_ply_by_ply(tmp_path, succeed):
     for name, plies in (("two", 2), ("three", 3)):
         text = impact_scene(fabric="S-728", panel=f"plies = {plies}")
         (tmp_path / f"{name}.toml").write_text(text)
-    out = succeed("compare two.toml three.toml --shots 20 --jobs 1 --out r")
+    out = succeed("compare two.toml three.toml --shots 12 --jobs 1 --out r")
     lines = out.splitlines()
     assert lines[-1] == "files       r/report.html"
     assert "A, 2 x S-728, or B, 3 x S-728: which is better?" in lines
@@ -77,7 +77,7 @@ def test_two_lay_ups_are_drawn_alike_ply_by_ply(tmp_path, succeed):
     assert "; A has 33 % less mass" in out
     assert {stride for _, _, stride in fired} == {3}
     numbers = {plies: [n for p, n, _ in fired if p == plies] for plies in (2, 3)}
-    assert numbers[2] == numbers[3] == list(range(20))
+    assert numbers[2] == numbers[3] == list(range(12))
     written = json.loads((tmp_path / "r/difference.json").read_text())
     assert written["verdict"] == "worse"
     assert written["high_m_s"] < 0
@@ -126,11 +126,15 @@ def test_a_table_of_tests_is_sent_to_the_command_that_reads_it(tmp_path, command
         wc.compare("S-720", tmp_path / "tests.csv")
 
 
-def test_what_else_differs_is_named():
+def test_what_else_differs_and_the_doubts_of_each_are_named(monkeypatch):
     a, b = (wc.setup("S-728", 90.0, opening=side) for side in ("0.1 m", "0.2 m"))
     found = wc.compare(a, b, shots=8)
     assert found.other_differences == ["opening"]
     assert "A and B also differ in: opening" in found.details()
+    monkeypatch.setattr(
+        type(found.a), "doubts", property(lambda one: (f"doubt of {id(one)}",)), raising=True
+    )
+    assert found.doubts[:2] == (f"A: doubt of {id(found.a)}", f"B: doubt of {id(found.b)}")
 
 
 def test_aims_are_the_same_share_of_a_cell():

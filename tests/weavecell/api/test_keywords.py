@@ -6,7 +6,7 @@ import weavecell as wc
 from fabrics.base.errors import InputError
 from fabrics.base.schema import AsDict, AsKeywords, FileOnly, MayBeObject, mark, marked, tables_in
 from weavecell.api import keywords
-from weavecell.scenes import impact
+from weavecell.scenes import impact, scene_text
 from weavecell.scenes.fabric_table import FabricTable
 from weavecell.scenes.impact import Scene
 from weavecell.scenes.panel import PanelTable
@@ -23,7 +23,7 @@ def test_a_table_is_keywords_or_a_dict(name):
 
 @pytest.mark.parametrize("name", TABLES)
 def test_every_key_of_a_table_reaches_the_scene_or_is_for_files_alone(name):
-    for key, field in keywords.fields_of(Scene, name).items():
+    for key, field in scene_text.fields_of(Scene, name).items():
         if mark(field, FileOnly):
             assert keywords.tables().get(key) != name
         elif mark(Scene.model_fields[name], AsKeywords):
@@ -50,9 +50,9 @@ def test_a_fabric_alone_is_struck_by_the_projectile_of_the_standard_shot():
 @pytest.mark.parametrize("name", marked(FabricTable, MayBeObject) | marked(PanelTable, MayBeObject))
 def test_no_file_says_what_an_object_is(name):
     table = {"fabric": {}, "panel": {"opening": "40 mm"}, "run": {}, "projectile": {}}
-    assert keywords.text(table, "S-720")
+    assert scene_text.text(table, "S-720")
     table[keywords.tables()[name]][name] = object()
-    assert keywords.text(table, "S-720") == ""
+    assert scene_text.text(table, "S-720") == ""
 
 
 @pytest.mark.parametrize(

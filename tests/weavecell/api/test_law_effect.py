@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from fabrics import catalogue
+from fabrics.base.errors import InputError
 from weavecell.api import law_effect
 from weavecell.studies import ballistic_limit
 from weavecell.studies.ballistic_limit import Shot
@@ -23,8 +24,17 @@ def fired(monkeypatch):
     monkeypatch.setattr(
         law_effect,
         "setup",
-        lambda fabric, velocity, crossovers: SimpleNamespace(target=lambda: fabric),
+        lambda fabric, velocity, crossovers, opening=0.203: SimpleNamespace(
+            target=lambda: SimpleNamespace(laws=fabric.laws, opening=opening)
+        ),
     )
+
+    def critical_velocity(target, tolerance, guess, step):
+        if target.opening > 0.1:
+            raise InputError("stops all")
+        return SimpleNamespace(velocity=52 * (4e-5 / target.laws[0].a) ** 0.125)
+
+    monkeypatch.setattr(ballistic_limit, "critical_velocity", critical_velocity)
 
     def shoot(target, velocities):
         (velocity,) = velocities
@@ -46,8 +56,20 @@ def test_the_dent_of_both_ends_is_told_at_a_velocity_that_all_laws_stop(fired, s
     assert effect.velocity == 60
     assert effect.dents == pytest.approx([0.012, 0.012 * soft**0.5, 0.012 * stiff**0.5])
     low, high = (100 * (ratio**0.5 - 1) for ratio in (stiff, soft))
-    assert effect.line() == f"its range moves a ply's dent at 60 m/s by {low:+.2g} to {high:+.2g} %"
+    slow, fast = (100 * (ratio**-0.125 - 1) for ratio in (soft, stiff))
+    assert effect.line() == (
+        f"its range moves the dent of a pinned ply at 60 m/s by {low:+.2g} to {high:+.2g} % "
+        f"and its critical velocity in 80 mm by {slow:+.2g} to {fast:+.2g} %"
+    )
     assert law_effect.find_effect(s720, law) is None
+
+
+def test_where_no_limit_is_found_the_dent_is_told_alone(fired, s720, monkeypatch):
+    law = replace(s720.laws[0], F_range=(0.5, 90.0)).with_spread([[0.04, 0.03], [0.03, 0.09]])
+    monkeypatch.setattr(law_effect, "SMALL_OPENING", 0.2)
+    effect = law_effect.find_effect(s720, law)
+    assert effect.limits == ()
+    assert "critical" not in effect.line()
 
 
 def test_where_every_velocity_perforates_nothing_is_told(fired, s720, monkeypatch):
@@ -56,9 +78,12 @@ def test_where_every_velocity_perforates_nothing_is_told(fired, s720, monkeypatc
     assert law_effect.find_effect(s720, law) is None
 
 
-@pytest.mark.slow(10)
+@pytest.mark.slow(20)
 def test_an_own_fabric_is_dented_more_with_the_soft_end(s720):
-    """Real shots: a law three times as soft dents more, one as much stiffer less."""
+    """Real shots: a law three times as soft dents more, one as much stiffer less; limits are the other way round."""
     law = replace(s720.laws[0], F_range=(0.5, 90.0)).with_spread([[0.3, 0.3], [0.3, 0.32]])
-    middle, soft, stiff = law_effect.find_effect(s720, law).dents
+    effect = law_effect.find_effect(s720, law)
+    middle, soft, stiff = effect.dents
     assert 0.9 * middle < stiff < middle < soft < 1.3 * middle
+    middle, soft, stiff = effect.limits
+    assert 0.9 * middle < soft < stiff < 1.1 * middle

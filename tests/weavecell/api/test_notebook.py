@@ -37,6 +37,7 @@ def cells(tmp_path_factory):
     ]
 
 
+@pytest.mark.slow(6)
 def test_plots_show_without_a_magic_command_and_long_calls_have_a_bar(cells):
     for cell, pictures in zip(cells[2:], (2, 1, 1)):  # the figure of the user's pyplot too
         assert [len(data["image/png"]) > 5000 for data in cell if "image/png" in data] == [
@@ -46,10 +47,20 @@ def test_plots_show_without_a_magic_command_and_long_calls_have_a_bar(cells):
         assert cell[0]["text/plain"] == ""  # what is left of a bar in a saved notebook
 
 
+@pytest.mark.slow(6)
 def test_a_shot_shows_its_curve_and_labels_with_units(cells):
     deflection = r"largest deflection of the back face[^<]* \[mm\]</td>"
     parts = rf"<b>S-720, 150 m/s\nanswer +not decided: 148 m/s at the end.*data:image/png;base64,.*{deflection}"
     assert re.search(parts, cells[1][-1]["text/html"], re.DOTALL)
+
+
+def test_a_picture_and_a_result_show_themselves():
+    """What a notebook asks for, without a kernel."""
+    found = wc.coupon("S-720", "picture_frame", shear_angle="5 deg", crossovers=2, steps=2)
+    png = found.plot()._repr_png_()
+    assert png.startswith(b"\x89PNG")
+    assert len(png) > 5000
+    assert "data:image/png;base64," in found._repr_html_()
 
 
 def test_inputs_print_in_a_few_lines_and_lists_are_tables():

@@ -7,7 +7,7 @@ import re
 import pytest
 
 import weavecell as wc
-from weavecell.api.command import without_effect
+from tests.commands import without_effect
 from weavecell.cli import app, from_signature
 
 # the least that a command takes beside the fabric

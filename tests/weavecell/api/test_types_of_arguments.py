@@ -16,10 +16,10 @@ from fabrics.base.errors import InputError
 from fabrics.base.values import plain
 from tests import commands
 from weavecell import api
+from weavecell.answers.result import Result
 from weavecell.api import command, entrance
 from weavecell.api.execution import ResumableKeywords
 from weavecell.api.keywords import Keywords
-from weavecell.api.result import Result
 from weavecell.report import installed
 from weavecell.studies import ballistic_limit
 

@@ -17,7 +17,7 @@ from weavecell.results import run_folder
 from weavecell.scenes import coupon as scenes_coupon
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples" / "coupons").glob("*.toml"))
-LONG = {"S-728-bias"}
+LONG = {"S-728-bias": 30, "S-728-no-trellis": 6, "glass-biaxial": 3, "S-720-warp": 3}  # [CPU s]
 UNSTABLE = {"S-728-no-trellis"}
 
 
@@ -79,7 +79,7 @@ def test_the_table_of_a_pull_out_is_its_histories(results):
 @pytest.mark.parametrize(
     "path",
     [
-        pytest.param(p, marks=pytest.mark.slow(30) if p.stem in LONG else (), id=p.stem)
+        pytest.param(p, marks=pytest.mark.slow(LONG[p.stem]) if p.stem in LONG else (), id=p.stem)
         for p in EXAMPLES
     ],
 )

@@ -1,6 +1,7 @@
 """`weavecell crossover`: the numbers of each case are those of its record, and what it keeps of a failed one."""
 
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from fabrics.base.record import Record
 from fabrics.plate_curve import PlateCurve
 from tests.weavecell.written import table_of
 from unitcell3d.cases import load_path, periodic_cell
-from weavecell.api import crossover_result
+from unitcell3d.solver.path_following import follow
+from weavecell.answers import crossover_result
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {
@@ -26,7 +28,6 @@ CASES = {
     "shear": "--shear-angle '12 deg' --end-displacement '4 um' --section conforming",
 }
 PATH = "# up, back, and the weft slack\nd2 [um], d1 [mm]\n4, 0.004\n-1, 0.002\n"
-CRUSHED = "d1 [mm], d2 [mm]\n0.002, 0.002\n-0.2, -0.2\n"  # by a third of the cell: no equilibrium
 
 
 @pytest.fixture
@@ -86,11 +87,17 @@ def test_a_pressure_that_is_not_reached_is_a_doubt(run):
     assert "pressure not reached" in content["doubts"]
 
 
-def test_a_failed_case_keeps_what_it_computed(run):
-    code, _, err, content, record = run("path", CASES["path"], path=CRUSHED)
+def test_a_failed_case_keeps_what_it_computed(run, monkeypatch):
+    """How a path comes to fail is of the solver (`test_a_path_that_fails_keeps_its_history`)."""
+
+    def fail(*words, **more):
+        return replace(follow(*words, **more), failed="no equilibrium beyond d1 = 0.002 mm")
+
+    monkeypatch.setattr(load_path, "follow", fail)
+    code, _, err, content, record = run("path", CASES["path"])
     assert code == 3
-    assert err.splitlines()[-1].startswith("error: the crossover found no equilibrium")
-    assert content["failed"]
+    assert err.splitlines()[-1] == "error: no equilibrium beyond d1 = 0.002 mm"
+    assert content["failed"] == record.failed == "no equilibrium beyond d1 = 0.002 mm"
     assert len(record["T1"]) == content["rows"] > 2
 
 
@@ -137,7 +144,7 @@ def test_a_twill_is_stretched_in_its_own_cell(succeed, command, tmp_path, monkey
         (line, "domain = 'whole': must be periodic: one crossover of a twill 2/2 is no cell of it"),
         (
             f"{line} --domain periodic".replace("t.toml", "b.toml"),
-            "FABRIC = 't': is a crowfoot, no symmetry of which",
+            "FABRIC = 't': is a crowfoot, no symmetry of which turns each yarn round",
         ),
         (
             "crossover shear t.toml --domain periodic",

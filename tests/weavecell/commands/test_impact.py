@@ -20,14 +20,13 @@ from weavecell.results import vtk
 from weavecell.results.result_folder import read_record
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
-SHORT = {"S-720-perforates"}
 # [s] of CPU time
-LONG = {"body-armour": 400, "hybrid-pack": 39, "own-fabric": 39}
+LONG = {"body-armour": 400, "hybrid-pack": 39, "own-fabric": 39, "S-720-perforates": 5}
 NIGHTLY = 30  # [CPU s] from which an example runs nightly
 
 
 def marks_of_long(name):
-    """Those of a long example."""
+    """Those of an example; `--check` reads and plans each of them in the quick run."""
     seconds = LONG.get(name, 10)
     if seconds < NIGHTLY:
         return pytest.mark.slow(seconds)
@@ -58,7 +57,7 @@ def small_scene(outputs, extra=""):
     return impact_scene(head='title = "a small panel"', run=run, extra=extra)
 
 
-@pytest.mark.parametrize("name", ["impact", "pack"])
+@pytest.mark.parametrize("name", ["impact", pytest.param("pack", marks=pytest.mark.slow(6))])
 def test_a_resumed_run_is_the_uninterrupted_one(
     command, succeed, results, drawn_once, interrupted, tmp_path, name
 ):
@@ -134,10 +133,7 @@ def test_examples_can_be_run(succeed, example):
 
 @pytest.mark.parametrize(
     "example",
-    [
-        pytest.param(path, marks=() if path.stem in SHORT else marks_of_long(path.stem))
-        for path in EXAMPLES
-    ],
+    [pytest.param(path, marks=marks_of_long(path.stem)) for path in EXAMPLES],
     ids=lambda path: path.stem,
 )
 def test_examples_run(succeed, tmp_path, example):

@@ -42,8 +42,14 @@ def find_limit(name, tolerance, **panel):
 @pytest.mark.parametrize(
     ("name", "opening"),
     [
-        *(("S-720", "24 mm"), ("S-720", "30 mm"), ("S-726", "24 mm")),
-        *(("S-726", "30 mm"), ("S-745", "24 mm"), ("S-745", "40 mm")),
+        ("S-745", "24 mm"),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in [
+                *(("S-720", "24 mm"), ("S-720", "30 mm"), ("S-726", "24 mm")),
+                *(("S-726", "30 mm"), ("S-745", "40 mm")),
+            ]
+        ),
     ],
 )
 def test_shot_limit_and_draws_have_one_limit(name, opening):

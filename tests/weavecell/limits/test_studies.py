@@ -12,8 +12,8 @@ from shellfabric.membrane import quality
 from tests.scene_text import merged, toml
 from tests.weavecell.session_runs import SCENES
 from tests.weavecell.written import page_of, rows_of
+from weavecell.answers.sweep import SweepTable
 from weavecell.api import sweeps
-from weavecell.api.sweeps import SweepTable
 from weavecell.api.target import resolve_target
 from weavecell.report.shot import chapters_shot
 from weavecell.results import progress

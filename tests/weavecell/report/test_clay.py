@@ -28,7 +28,9 @@ BLOCK = Backing(CLAY, size=(0.06, 0.06, 0.03), min_size=3e-3, refined_depth=6e-3
 QUICK = {"opening": 0.0305, "table_size": 61, "end_time": 30e-6, "snapshot_interval": 10e-6}
 
 
-@pytest.fixture(scope="module", params=["quarter", "whole"])
+@pytest.fixture(
+    scope="module", params=["quarter", pytest.param("whole", marks=pytest.mark.slow(6))]
+)
 def struck(request):
     fabric = catalogue.load("S-728").with_effective_density()
     setup = ImpactSetup(fabric, 150.0, plies=2, backing=BLOCK, symmetry=request.param, **QUICK)

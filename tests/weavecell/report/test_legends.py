@@ -20,7 +20,7 @@ from fabrics.base.record import Record
 from fabrics.surface import ResponseSurface
 from shellfabric.loop.histories import YarnHistory
 from tests.weavecell.report.told import fields_of, refuse_untold
-from weavecell.api import limits
+from weavecell.answers import critical_velocity
 from weavecell.decks import mismatch
 from weavecell.report import (
     pictures,
@@ -162,7 +162,7 @@ def test_a_limit(single):
     with pictures_figure.plots() as pyplot:
         drawn = {"limit": limit, "lambert_jonas": curve_of("a 1", 0.5), "shots": shots}
         found = Given(title="S-720", interval=None, **drawn)
-        figure = limits.plot_of(found).draw(pyplot)
+        figure = critical_velocity.plot_of(found).draw(pyplot)
     line = np.linspace(80, 1.02 * 105, 7)
     zone = {"bracket": (92.0, 96.0)} if single else {"mixed outcomes": (87.0, 92.0)}
     data = {}

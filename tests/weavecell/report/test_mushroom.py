@@ -15,7 +15,7 @@ from fabrics.base.errors import InputError
 from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.projectile.projectile import Projectile
-from weavecell.api.shots import ShotResult
+from weavecell.answers.shot import ShotResult
 from weavecell.report.shot import moving
 from weavecell.report.shot.chapters_shot import cut_view
 from weavecell.results import vtk

@@ -7,7 +7,7 @@ import weavecell as wc
 from shellfabric.impact import in_words
 from tests.scene_text import merged, toml
 from tests.weavecell.scenes.test_keys_reach import ENTRIES, LEAST, ROOT, SHOT, row, with_value
-from weavecell.api.wording import Wording
+from weavecell.answers.wording import Wording
 from weavecell.report import chapters
 from weavecell.report.shot import chapters_shot
 from weavecell.runs import table

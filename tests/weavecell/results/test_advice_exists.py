@@ -37,14 +37,14 @@ ARGUMENTS = {
 MADE = {
     ("ply_counts.py", "advice"),
     ("ply_counts.py", "unknown.ADVICE.get(name, '')"),
-    ("scatter.py", "tuple(first.values())"),
-    ("scatter.py", "settles[name]"),
-    ("shots.py", "advice"),
+    ("v50.py", "tuple(first.values())"),
+    ("v50.py", "settles[name]"),
+    ("shot.py", "advice"),
     ("calibration.py", "advice"),
     ("biaxial_fit.py", "advice"),
     ("comparison.py", "advice"),
-    ("pull_outs.py", "advice"),
-    ("pull_outs.py", "settle"),
+    ("pull_out_friction.py", "advice"),
+    ("pull_out_friction.py", "settle"),
     ("result.py", "part.settle"),
     ("left_out.py", "way"),
     ("left_out.py", "words"),
@@ -101,23 +101,32 @@ def wrong(text, command=""):
     return bad if ways else None
 
 
+@cache
+def calls():
+    """{name: (file, call) of each call of it in the code}, of those with advice."""
+    found = {name: [] for name in ARGUMENTS}
+    for folder in ("weavecell", "shellfabric", "unitcell3d"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            text = path.read_text("utf-8")
+            if not any(f"{name}(" in text for name in ARGUMENTS):
+                continue
+            for node in ast.walk(ast.parse(text)):
+                if isinstance(node, ast.Call):
+                    name = getattr(node.func, "id", getattr(node.func, "attr", ""))
+                    found.get(name, []).append((path.name, node))
+    return found
+
+
 def literals(name):
     """(file, text) of all advice that is written in the code as an argument of calls of a name."""
     keyword, place = ARGUMENTS[name]
-    for folder in ("weavecell", "shellfabric", "unitcell3d"):
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-                called = isinstance(node, ast.Call) and (
-                    getattr(node.func, "id", getattr(node.func, "attr", "")) == name
-                )
-                if not called:
-                    continue
-                given = [one.value for one in node.keywords if one.arg == keyword]
-                for value in given or node.args[place : place + 1]:
-                    if isinstance(value, ast.Constant):
-                        yield path.name, value.value
-                    elif not (path.name == "unknown.py" and value.id in vars(unknown)):
-                        yield path.name, value
+    for file, node in calls()[name]:
+        given = [one.value for one in node.keywords if one.arg == keyword]
+        for value in given or node.args[place : place + 1]:
+            if isinstance(value, ast.Constant):
+                yield file, value.value
+            elif not (file == "unknown.py" and value.id in vars(unknown)):
+                yield file, value
 
 
 def test_all_advice_of_the_code_is_walked():

@@ -9,7 +9,7 @@ import pytest
 import weavecell as wc
 from shellfabric.impact.run import run_impact
 from shellfabric.plies.gap import gap_between
-from weavecell.api.scatter import V50Result
+from weavecell.answers.v50 import V50Result
 from weavecell.results import impact, one_table
 from weavecell.results.impact import ImpactRecord, _describe_stacking
 from weavecell.results.impact_shapes import Cut

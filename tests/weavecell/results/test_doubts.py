@@ -16,7 +16,7 @@ from shellfabric.membrane.indicator import Indicator
 from tests.scene_text import toml
 from tests.weavecell.golden_texts import cases
 from tests.weavecell.session_runs import small_calibration
-from weavecell.api.result import Result
+from weavecell.answers.result import Result
 from weavecell.cli import app
 from weavecell.report.shot import beside
 from weavecell.results.finding import LABEL, Answer
@@ -52,6 +52,8 @@ MADE = {
     "calibrate": lambda out: _with_doubt(_calibration(), out),
 }
 NEEDS_SOLIDS = ("surface", "crossover", "calibrate")
+# results of seconds, each of a class whose siblings are quicker
+SLOW = ("compare", "surface", "calibrate")
 
 
 def _with_doubt(result, out):
@@ -82,7 +84,7 @@ def _surface():
     from fabrics.surface import ResponseSurface
     from unitcell3d.identify.interpolant import errors
     from unitcell3d.identify.response_surface import Sampled
-    from weavecell.api.surfaces import SurfaceResult
+    from weavecell.answers.surface import SurfaceResult
 
     d1, d2 = np.linspace(0, 2e-5, 5), np.linspace(0, 3e-5, 6)
     x, y = np.meshgrid(1e5 * d1, 1e5 * d2, indexing="ij")
@@ -171,7 +173,8 @@ def _read_lines(lines):
 def test_what_a_page_and_a_file_say_is_the_answer_alone():
     """No other function of the interface makes one."""
     makers = set()
-    for path in (ROOT / "weavecell/api").glob("*.py"):
+    folders = (ROOT / "weavecell/answers", ROOT / "weavecell/api")
+    for path in [path for folder in folders for path in folder.glob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.FunctionDef):
                 called = {
@@ -192,7 +195,9 @@ def fire(setup, velocity, time, stops_below=0.0):
 
 
 @pytest.mark.filterwarnings("ignore::fabrics.base.errors.DoubtfulResult")
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in MADE]
+)
 def test_every_place_that_shows_a_result_says_its_doubt(name, tmp_path, monkeypatch):
     """Terminal, notebook, summary, warning, JSON, what is loaded, banner, card and colour of the page, picture."""
     monkeypatch.chdir(tmp_path)

@@ -8,6 +8,7 @@ import pytest
 
 import weavecell as wc
 from shellfabric.yarns.model import YarnZone
+from tests.weavecell.golden_texts.cases import invented
 from tests.weavecell.written import page_of, without_marks
 from weavecell.results import left_out
 
@@ -23,11 +24,13 @@ def fire_shot(out):
 
 def find_limit(out):
     some = {"tolerance": "20 m/s", "scan": False, "residual_shots": 0}
-    return wc.critical_velocity("S-720", out=out, **some, **SMALL)
+    with invented():
+        return wc.critical_velocity("S-720", out=out, **some, **SMALL)
 
 
 def find_v50(out):
-    return wc.v50("S-720", shots=8, batch=4, out=out, **SMALL)
+    with invented():
+        return wc.v50("S-720", shots=8, batch=4, out=out, **SMALL)
 
 
 ALL = {"mesh", "sampling"}
@@ -65,7 +68,7 @@ def test_what_is_computed_is_not_left_out():
 
 
 def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
-    from weavecell.api.target import list_assumptions
+    from weavecell.answers.target import list_assumptions
 
     setup = wc.setup("S-720", "150 m/s", opening="60 mm")
     resolved = replace(setup, crossovers=YarnZone(), symmetry="whole")
@@ -78,7 +81,7 @@ def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
 def test_a_law_that_misses_its_samples_is_doubtful():
     """K706: rms 11 % of a, beside an interval of 10 %."""
     from fabrics.compression import CompressionLaw
-    from weavecell.api.calibration import CalibrationResult
+    from weavecell.answers.calibration import CalibrationResult
 
     def status(rms):
         law = CompressionLaw(8.2e-6, 1.5e-5, residual_rms=rms)

@@ -15,7 +15,7 @@ from fabrics.compression import CompressionLaw
 from tests.scene_text import toml
 from tests.weavecell.golden_texts import cases
 from tests.weavecell.session_runs import small_calibration
-from weavecell.api.study_result import DrawnResult
+from weavecell.answers.study_result import DrawnResult
 from weavecell.report import installed
 from weavecell.results import keys, one_table
 from weavecell.studies import ballistic_limit

@@ -74,7 +74,7 @@ with signalled(signal.SIGKILL):
 """
 
 
-@pytest.mark.parametrize("plies", [1, 3])
+@pytest.mark.parametrize("plies", [1, pytest.param(3, marks=pytest.mark.slow(4))])
 def test_a_killed_run_goes_on_from_its_checkpoint(succeed, scene, plies, tmp_path):
     """To the bit, of one ply and of a pack."""
     scene.write_text(SCENE.replace("[panel]", f"[panel]\nplies = {plies}"))

@@ -136,7 +136,9 @@ app.main(sys.argv[2:])
 """
 
 
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "end", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow(2))]
+)
 def test_a_process_that_is_killed_while_it_writes_is_made_whole(succeed, inputs, tmp_path, end):
     words = COMMANDS["impact"]
     succeed(f"{words} --out undisturbed")

@@ -24,8 +24,8 @@ FAST = merged(
     SHOT,
     {
         "projectile": {"strike_velocity": "700 m/s"},
-        "panel": {"opening": "16 mm"},
-        "run": {"end_time": "8 us"},
+        "panel": {"opening": "12 mm"},
+        "run": {"end_time": "4 us"},
     },
 )
 LAY_UPS = {

@@ -14,7 +14,7 @@ from shellfabric.impact.run import run_impact
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.impact.strengths import YarnStrength, draw_strengths
 from shellfabric.yarns.model import YarnZone
-from weavecell.api.scatter import V50Result
+from weavecell.answers.v50 import V50Result
 from weavecell.runs import table
 from weavecell.studies import inputs, strengths
 

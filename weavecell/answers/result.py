@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from base64 import b64encode
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -16,8 +16,8 @@ from fabrics.base.door import in_terminal, option
 from fabrics.base.errors import DoubtfulResult
 from fabrics.base.extras import explain_missing, find_missing
 from shellfabric.membrane.indicator import NOTED
-from weavecell.api.user_warnings import warn_user
-from weavecell.results import display, finding, glossary, keys, one_table
+from weavecell.answers.user_warnings import warn_user
+from weavecell.results import display, finding, glossary, keys, one_table, out_folder
 from weavecell.results.finding import Answer, Mover
 from weavecell.results.keys import Key
 from weavecell.results.left_out import LeftOut, lines_of
@@ -54,10 +54,8 @@ class Result:
     folder: Path | None = None
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Let the method that writes a result remember where, and its pictures say its doubts."""
+        """Let the pictures of a result say its doubts."""
         super().__init_subclass__(**options)
-        if "save" in vars(cls):
-            cls.save = _remember_folder(_with_doubts(cls.save))  # type: ignore[attr-defined]
         for name in ("plot", "plot_panel", "plot_mushroom"):
             if name in vars(cls):
                 setattr(cls, name, _with_doubts(vars(cls)[name]))
@@ -291,21 +289,27 @@ class Result:
         )
 
 
+class WrittenResult(Result):
+    """A result with files. A derived class names them, `_written`, and writes them, `_write`."""
+
+    _written: Sequence[str] = ()
+
+    def save(self, out: FilePath) -> None:
+        """Write the files that stand at the top of its module to a folder, but what a run keeps for
+        `resume`."""
+        folder = Path(out)
+        with out_folder.hold(folder, self._written), finding.showing(self.doubts):
+            self._write(folder)
+        remember_folder(self, folder)
+
+    def _write(self, folder: Path) -> None:
+        raise NotImplementedError
+
+
 def _say_check(check):
     """Return a check with its value and limit."""
     unit = f" {check.unit}".rstrip()
     return f"{check.name} {check.value:.3g}{unit} (limit {check.limit:g}{unit})"
-
-
-def _remember_folder(save):
-    """A method save(result, out) that leaves the folder at the result."""
-
-    @functools.wraps(save)
-    def called(result, out):
-        save(result, out)
-        remember_folder(result, out)
-
-    return called
 
 
 def _with_doubts(show):

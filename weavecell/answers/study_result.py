@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fabrics.base import files
-from fabrics.base.checks import FilePath
-from weavecell.api.result import Result, figure
-from weavecell.api.target import list_assumptions
+from weavecell.answers.result import WrittenResult, figure
+from weavecell.answers.target import list_assumptions
 from weavecell.report import installed
 from weavecell.results import one_table, out_folder
 from weavecell.results.left_out import LeftOut, find_left_out, lines_of, summarise
@@ -19,12 +18,12 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from shellfabric.impact.setup import ImpactSetup
-    from weavecell.api.target import Target
+    from weavecell.answers.target import Target
     from weavecell.report.page import Section
     from weavecell.runs.measurement import Measurement
 
 
-class DrawnResult(Result):
+class DrawnResult(WrittenResult):
     """A result with a picture and files. A derived class has what raises NotImplementedError
     here."""
 
@@ -40,6 +39,11 @@ class DrawnResult(Result):
     def plot(self) -> Figure:
         """Draw a matplotlib figure."""
         return figure(self.draw)
+
+    def _write(self, folder: Path) -> None:
+        from weavecell.results import provenance
+
+        self._write_files(folder, provenance.stamp())
 
     def _write_files(self, folder, stamp):
         from weavecell.report import pictures
@@ -105,17 +109,18 @@ class StudyResult(DrawnResult):
     def _notebook_table(self):
         return self._labelled_columns()
 
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of the module to a folder."""
+    @property
+    def _written(self):
+        return (*self.files(), *out_folder.INPUT, "report.html")
+
+    def _write(self, folder):
         from weavecell.results import provenance
 
-        out = Path(out)
         stamp = provenance.stamp(self.target.text, setup=self.target.setup)
-        with out_folder.hold(out, (*self.files(), *out_folder.INPUT, "report.html")):
-            self.target.keep_input(out)
-            self._write_files(out, stamp)
-            if installed.can_draw():
-                self._write_report(out, stamp)
+        self.target.keep_input(folder)
+        self._write_files(folder, stamp)
+        if installed.can_draw():
+            self._write_report(folder, stamp)
 
     def _own_chapters(self) -> list[Section]:
         """Chapters of the page that other studies have not."""
