@@ -19,7 +19,6 @@ MODULES = (
     "models",
     "patches",
     "peers",
-    "sampled",
     "series",
     "solid",
     "weaves",
@@ -67,8 +66,6 @@ def _module(name):
             from validation.cases import patches as module
         case "peers":
             from validation.cases import peers as module
-        case "sampled":
-            from validation.cases import sampled as module
         case "series":
             from validation.cases import series as module
         case "solid":
