@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -156,7 +157,8 @@ def v50(
     given = {key: value for key, value in own.items() if value is not None}
     scatter = replace(inputs.read_scatter(), **given)
     setup = noses.with_friction(wc.setup(fabric, "100 m/s", **keywords))
-    found = analysis.study(setup, scatter, shots=shots, seed=seed)
+    with TemporaryDirectory() as folder:
+        found = analysis.study(setup, scatter, shots=shots, seed=seed, folder=folder)
     if found.posterior is None:
         raise ValueError(f"all {shots} shots end alike: {found.shots}")
     limit = ballistic_limit.critical_velocity(table.as_fired(setup).target(), tolerance=1.0)

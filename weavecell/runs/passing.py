@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.special import betaincinv
 
+from fabrics.base.checks import FilePath
 from fabrics.base.counted import counted
 from shellfabric.impact.setup import ImpactSetup
 from weavecell.runs import go_no_go, table, v50
@@ -111,17 +112,17 @@ class Passing:
 
 
 def fire_draws(
-    setup: ImpactSetup, scatter: Scatter, *, draws: int, seed: int, **runs: Any
+    setup: ImpactSetup, scatter: Scatter, *, draws: int, seed: int, folder: FilePath, **runs: Any
 ) -> Passing:
     """Fire drawn shots at the strike velocity of a set-up.
 
     Parameters
     ----------
     setup : ImpactSetup of resolved yarns
-    runs : as of `run_cache.results`
+    folder, runs : as of `run_cache.results`
     """
     rows = table.draw(setup, draws, seed=seed, scatter=scatter)
-    fired = table.run(rows, **runs)
+    fired = table.run(rows, folder=folder, **runs)
     shots = tuple(shot for shot in fired if not shot.failure)
     failures = tuple(shot.failure for shot in fired if shot.failure)
     posterior = _fit(rows[0].setup, shots, setup.strike_velocity, seed)

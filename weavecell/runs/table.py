@@ -15,6 +15,7 @@ from math import nan
 from typing import Any
 
 from fabrics.base import run_cache
+from fabrics.base.checks import FilePath
 from fabrics.base.errors import InputError, UndecidedError, UnstableError
 from shellfabric.impact.setup import ImpactSetup
 from shellfabric.membrane.indicator import OK
@@ -140,16 +141,16 @@ def draw(
     return [Row(fired, speed, Draw(scatter, seed, number), labels) for number in range(count)]
 
 
-def run(rows: Sequence[Row], **runs: Any) -> list[Shot]:
+def run(rows: Sequence[Row], *, folder: FilePath, **runs: Any) -> list[Shot]:
     """Fire rows, and return a Shot of each, in their order.
 
     Parameters
     ----------
     rows : of which each is kept by what it is made of, without its labels
-    runs : as of `run_cache.results`: the folder of the finished runs, executor, jobs, report
+    folder, runs : as of `run_cache.results`: of the finished runs; executor, jobs, report
     """
     arguments = [(_plain(row.setup), row.velocity, row.draw) for row in rows]
-    return run_cache.results(fire, arguments, **runs)
+    return run_cache.results(fire, arguments, folder=folder, **runs)
 
 
 def fire(setup: ImpactSetup, velocity: float, draw: Draw | None = None) -> Shot:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrics.base.checks import FloatArray
+from fabrics.base.checks import FilePath, FloatArray
 from fabrics.base.errors import InputError
 from fabrics.base.executors import open_executor
 from shellfabric.impact.setup import ImpactSetup
@@ -117,6 +117,7 @@ def study(
     seed: int = 1,
     within: float = 0.0,
     stride: int | None = None,
+    folder: FilePath,
     report: Callable[[int, int], object] = lambda done, total: None,
     **runs: Any,
 ) -> Study:
@@ -131,7 +132,7 @@ def study(
     seed : of all that is drawn
     within : [-] half width of the interval of V50, over V50, at which no more shots are fired; 0 fires all
     stride : as in `strengths.draw_panel`, of studies whose panels are drawn alike
-    report, runs : as in `run_cache.results`, with the folder of the shots
+    folder, report, runs : as in `run_cache.results`
 
     Raises
     ------
@@ -151,9 +152,8 @@ def study(
     def choose(coarse: LimitPosterior) -> tuple[ImpactSetup, float]:
         return fired_at, 1.0
 
-    for outcomes in series.fire(
-        choose, partial(Draw, scatter, seed, stride=stride), report, **runs
-    ):
+    draw = partial(Draw, scatter, seed, stride=stride)
+    for outcomes in series.fire(choose, draw, report, folder=folder, **runs):
         last = len(series.fired) == shots
         if outcomes.mixed and (within or last) and len(series.fired) >= min(LEAST, shots):
             posterior = go_no_go.fit(outcomes, guess, population)
