@@ -18,7 +18,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import ellipe, ellipk
 
 from fabrics.base.checks import FloatArray, positive
 from fabrics.base.errors import InputError
@@ -39,6 +38,9 @@ def arc_length(w: ArrayLike, h: ArrayLike) -> FloatArray:
     -------
     S : array or float [m]
     """
+    # 80 ms, which a fabric needs and a list of keys does not
+    from scipy.special import ellipe
+
     k = np.pi * np.asarray(h, float) / (2 * np.asarray(w, float))
     return 4 * np.asarray(w, float) / np.pi * ellipe(-(k**2))
 
@@ -54,6 +56,8 @@ def height_from_length(w: float, S: float) -> float:
     ------
     InputError : the yarn is shorter than its cell
     """
+    from scipy.special import ellipe, ellipk
+
     crimp = float(S) / (2 * float(w)) - 1
     if crimp < 0:
         raise InputError(

@@ -66,7 +66,7 @@ OTHERS = {
     "fabrics/base/run_cache.py": 2,  # source of the package; what `store` counts
     "shellfabric/part_of_others.py": 1,  # code of an installed package
     "fabrics/base/store.py": 1,
-    "weavecell/api/calibration.py": 1,  # a picture that was just drawn
+    "weavecell/answers/calibration.py": 1,  # a picture that was just drawn
     "weavecell/decks/mesh_files.py": 1,  # written
     "weavecell/report/page.py": 1,  # a template of the package
     "weavecell/results/file_list.py": 2,  # appended to; a digest, part by part

@@ -54,10 +54,8 @@ class Result:
     folder: Path | None = None
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Let the method that writes a result remember where, and its pictures say its doubts."""
+        """Let the pictures of a result say its doubts."""
         super().__init_subclass__(**options)
-        if "save" in vars(cls) and cls.__name__ != "WrittenResult":
-            cls.save = _remember_folder(_with_doubts(cls.save))  # type: ignore[attr-defined]
         for name in ("plot", "plot_panel", "plot_mushroom"):
             if name in vars(cls):
                 setattr(cls, name, _with_doubts(vars(cls)[name]))
@@ -312,17 +310,6 @@ def _say_check(check):
     """Return a check with its value and limit."""
     unit = f" {check.unit}".rstrip()
     return f"{check.name} {check.value:.3g}{unit} (limit {check.limit:g}{unit})"
-
-
-def _remember_folder(save):
-    """A method save(result, out) that leaves the folder at the result."""
-
-    @functools.wraps(save)
-    def called(result, out):
-        save(result, out)
-        remember_folder(result, out)
-
-    return called
 
 
 def _with_doubts(show):

@@ -22,9 +22,9 @@ from fabrics.base.checks import FilePath
 from fabrics.base.door import option
 from fabrics.base.errors import InputError, UnstableError
 from fabrics.fabric import Fabric
+from weavecell.answers.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api import meshes, quantities
 from weavecell.api.command import Plan, Running, command
-from weavecell.api.crossover_result import CASES, NAMES, CrossoverResult
 from weavecell.api.keywords import explain_keywords
 from weavecell.api.meshes import Sections
 from weavecell.api.run_size import WorkSize

@@ -83,21 +83,6 @@ def reading(function: Callable[Parameters, Returned]) -> Callable[Parameters, Re
     return called
 
 
-def saving(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Decorate a method save(result, out) that writes files with these names to a folder, which it
-    claims."""
-
-    def decorate(save):
-        @functools.wraps(save)
-        def called(result, out):
-            with hold(out, names):
-                save(result, out)
-
-        return called
-
-    return decorate
-
-
 def claim(
     folder: Path, names: Iterable[str], resume: bool = False, inputs: Iterable[object] = ()
 ) -> None:

@@ -80,7 +80,7 @@ def test_a_body_is_its_own_mirror_image_or_not(pairs):
     assert not replace(lopsided, roll=np.pi / 2).mirrored(1)
 
 
-MARKS = dict.fromkeys(("sphere", "chisel", "flat"), pytest.mark.slow(10))
+MARKS = dict.fromkeys(("sphere", "hemisphere", "chisel", "flat"), pytest.mark.slow(10))
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=MARKS.get(n, ())) for n in stl_noses.NOSES])

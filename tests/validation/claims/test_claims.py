@@ -50,6 +50,13 @@ SECONDS = {
     "failmode-newton-contact-loss": 19,
     "impact1-quarter-symmetry": 5,
     "cell-bending-option": 7,
+    # whose mechanism a cheaper claim or a golden number holds each day
+    "yarn-failure-strain": 19,
+    "impact1-unbalanced-profile": 4,
+    "slip-zone-projectile-size": 3,
+    "shear-high-stiffer": 3,
+    "impact1-s726-test-110": 2,
+    "wave-front-flattens": 2,
 }
 
 

@@ -126,11 +126,15 @@ def test_a_table_of_tests_is_sent_to_the_command_that_reads_it(tmp_path, command
         wc.compare("S-720", tmp_path / "tests.csv")
 
 
-def test_what_else_differs_is_named():
+def test_what_else_differs_and_the_doubts_of_each_are_named(monkeypatch):
     a, b = (wc.setup("S-728", 90.0, opening=side) for side in ("0.1 m", "0.2 m"))
     found = wc.compare(a, b, shots=8)
     assert found.other_differences == ["opening"]
     assert "A and B also differ in: opening" in found.details()
+    monkeypatch.setattr(
+        type(found.a), "doubts", property(lambda one: (f"doubt of {id(one)}",)), raising=True
+    )
+    assert found.doubts[:2] == (f"A: doubt of {id(found.a)}", f"B: doubt of {id(found.b)}")
 
 
 def test_aims_are_the_same_share_of_a_cell():

@@ -20,8 +20,9 @@ from unitcell3d.identify import calibrate as solver
 from unitcell3d.identify import law_range, response_surface, solid_fit
 from unitcell3d.identify.solid_record import PlatenClosures, PulledLoads, SolidFit
 from validation.cases import solid
+from weavecell.answers.law_effect import LawEffect
 from weavecell.api import calibration
-from weavecell.api.law_effect import LawEffect
+from weavecell.report import chapters_calibration
 
 
 @pytest.fixture
@@ -206,7 +207,7 @@ def test_a_law_outside_the_ends_of_its_range_says_so(small):
     found = replace(found, calibration=replace(found.calibration, law=law))
     note = "stiff end softer than the law from "
     assert note in found.details()
-    assert note in found.sections()[0].lead
+    assert note in chapters_calibration.list_chapters(found, found._notebook_table())[0].lead
 
 
 @pytest.mark.slow(8)

@@ -17,7 +17,7 @@ from fabrics.plate_curve import PlateCurve
 from tests.weavecell.written import table_of
 from unitcell3d.cases import load_path, periodic_cell
 from unitcell3d.solver.path_following import follow
-from weavecell.api import crossover_result
+from weavecell.answers import crossover_result
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "crossover-path.csv"
 CASES = {

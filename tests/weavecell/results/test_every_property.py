@@ -17,10 +17,10 @@ from fabrics.base.files import write_hdf5
 from fabrics.ply_law import SOLID_TRAVEL
 from shellfabric.membrane import quality
 from tests.scene_text import impact_scene
+from weavecell.answers.biaxial_fit import BiaxialFitResult
 from weavecell.answers.biaxial_paths import BiaxialResult
 from weavecell.answers.mesh import MeshResult
 from weavecell.answers.result import Result
-from weavecell.api.biaxial_fit import BiaxialFitResult
 from weavecell.api.execution import Execution
 from weavecell.api.target import resolve_target
 from weavecell.results import coupon

@@ -81,7 +81,7 @@ def test_the_assumed_friction_of_resolved_yarns_is_the_first_that_is_assumed():
 def test_a_law_that_misses_its_samples_is_doubtful():
     """K706: rms 11 % of a, beside an interval of 10 %."""
     from fabrics.compression import CompressionLaw
-    from weavecell.api.calibration import CalibrationResult
+    from weavecell.answers.calibration import CalibrationResult
 
     def status(rms):
         law = CompressionLaw(8.2e-6, 1.5e-5, residual_rms=rms)

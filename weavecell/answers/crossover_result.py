@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from fabrics.base import files
-from fabrics.base.checks import FilePath
 from fabrics.base.frozen import explain_frozen
 from fabrics.base.record import Record
 from fabrics.fabric import Fabric
-from weavecell.answers.result import Result, figure
+from weavecell.answers.result import WrittenResult, figure
 from weavecell.report import crossover_cases, pictures_crossover
-from weavecell.results import json_file, out_folder
+from weavecell.results import json_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,7 +44,7 @@ CASES = {
 
 @explain_frozen
 @dataclass(frozen=True, repr=False)
-class CrossoverResult(Result):
+class CrossoverResult(WrittenResult):
     """A case of the 3D crossover.
 
     Parameters
@@ -108,13 +106,12 @@ class CrossoverResult(Result):
         """Draw a matplotlib figure: the curve of the case."""
         return figure(CASES[self.case].curve, self.fabric, self.record)
 
-    @out_folder.saving(*NAMES)
-    def save(self, out: FilePath) -> None:
-        """Write the files that stand at the top of this module to a folder."""
+    _written = NAMES
+
+    def _write(self, out):
         from weavecell.report import checks, pictures
         from weavecell.results import provenance
 
-        out = Path(out)
         record = self.record
         record.write(out / "case.h5")
         files.write(out / "case.csv", self.to_csv())
