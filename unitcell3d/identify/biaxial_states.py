@@ -29,6 +29,8 @@ from unitcell3d.solver.load_stepping import continue_to, rest_state
 from unitcell3d.solver.newton import Equilibrium, Newton
 
 STATIONS = 12
+# of the forces: residual of a trial that begins near equilibrium. Loads are compared to 1e-3
+TRIAL_TOLERANCE = 1e-6
 # of the largest strain of a test: how far its states may lie off a straight line
 OFF_LINE = 0.15
 
@@ -187,11 +189,12 @@ class BiaxialSolver:
         """Return the states of a test; `before` : (k, size) are guesses."""
         rest = Load()
         end = Load(tuple(map(float, test.end * self.model.fabric.weave.w)))
-        state = rest_state(self.model, self._solver, rest)
         size = len(self._x)
+        # at rest a trial has what the earlier one had: nothing is loaded
+        q = rest_state(self.model, self._solver, rest).q if before is None else before[0]
         rows = [
             {
-                "q": state.q,
+                "q": q,
                 "q_x": np.zeros((self.model.size, size)),
                 "load": np.zeros(2),
                 "load_x": np.zeros((2, size)),
@@ -206,7 +209,7 @@ class BiaxialSolver:
                     self.model, self._solver, rows[-1]["q"], last, load, (1.0,)
                 )
             else:
-                found = self._solver.approach(before[number], load)
+                found = self._solver.approach(before[number], load, TRIAL_TOLERANCE)
             rows.append(self._row(found, load))
             last = load
         return PulledStates(**{key: np.array([row[key] for row in rows]) for key in rows[0]})

@@ -149,9 +149,9 @@ class Newton:
                 shift = _next_shift(shift, found.norm / before)
             state = found
 
-    def approach(self, q: FloatArray, load: Any) -> Equilibrium:
+    def approach(self, q: FloatArray, load: Any, tolerance: float = TOLERANCE) -> Equilibrium:
         """Approach the equilibrium at `load` from a guess that may be far from it: by way of a
-        softer contact, taken roughly.
+        softer contact, taken roughly; `tolerance` as of `solve`.
 
         Slack yarns that a guess presses into each other are thrown apart by the full contact and
         come back to it several times over.
@@ -170,7 +170,7 @@ class Newton:
                 spent = found.iterations
             finally:
                 self.model.numerics = full
-        found = self.solve(q, load)
+        found = self.solve(q, load, tolerance)
         return replace(found, iterations=found.iterations + spent)
 
     def best(self, guesses: Sequence[FloatArray], load: Any) -> FloatArray:
