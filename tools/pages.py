@@ -190,7 +190,7 @@ def front_page() -> str:
         [
             "a finer mesh, one ply, six fabrics",
             f"limit {min(limits):+.1f} to {max(limits):+.1f} %, energy {min(energies):+.1f} to {max(energies):+.1f} %",
-            f"energy **missed** (3 %) for {beyond} fabrics",
+            f"energy **missed** (3 %) for {counted(beyond, 'fabric')}",
         ],
         [
             f"a finer mesh, {len(packs)} packs of 2 to 8 plies",
@@ -331,10 +331,10 @@ def measured_of_earlier_code() -> str:
 
 def coverage_by_level() -> str:
     """Tabulate how many measured numbers with a u_val lie in the intervals of 50 and 90 %, by level."""
-    counted = [row for row in table("measured.csv") if row["E_over_u_val"]]
+    numbers = [row for row in table("measured.csv") if row["E_over_u_val"]]
     rows = [["level", "numbers", "in the interval of 50 %", "of 90 %"]]
-    for level in (*dict.fromkeys(row["level"] for row in counted), "all"):
-        own = [row for row in counted if level in (row["level"], "all")]
+    for level in (*dict.fromkeys(row["level"] for row in numbers), "all"):
+        own = [row for row in numbers if level in (row["level"], "all")]
         numbers = [level, str(len(own))]
         for coverage in (statistics.MIDDLE, statistics.COVERAGE):
             inside = sum(statistics.is_within(row, coverage) for row in own)
