@@ -29,6 +29,7 @@ import page_values  # noqa: E402
 import reference_pages  # noqa: E402
 from claims_page import markdown  # noqa: E402
 
+from fabrics.base.counted import counted
 from shellfabric.impact.proposals import PROPOSALS  # noqa: E402
 from shellfabric.membrane import quality  # noqa: E402
 from shellfabric.membrane.indicator import Check  # noqa: E402
@@ -331,10 +332,10 @@ def measured_of_earlier_code() -> str:
 
 def coverage_by_level() -> str:
     """Tabulate how many measured numbers with a u_val lie in the intervals of 50 and 90 %, by level."""
-    numbers = [row for row in table("measured.csv") if row["E_over_u_val"]]
+    judged = [row for row in table("measured.csv") if row["E_over_u_val"]]
     rows = [["level", "numbers", "in the interval of 50 %", "of 90 %"]]
-    for level in (*dict.fromkeys(row["level"] for row in numbers), "all"):
-        own = [row for row in numbers if level in (row["level"], "all")]
+    for level in (*dict.fromkeys(row["level"] for row in judged), "all"):
+        own = [row for row in judged if level in (row["level"], "all")]
         numbers = [level, str(len(own))]
         for coverage in (statistics.MIDDLE, statistics.COVERAGE):
             inside = sum(statistics.is_within(row, coverage) for row in own)
