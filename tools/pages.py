@@ -29,7 +29,7 @@ import page_values  # noqa: E402
 import reference_pages  # noqa: E402
 from claims_page import markdown  # noqa: E402
 
-from fabrics.base.counted import counted
+from fabrics.base.counted import counted  # noqa: E402
 from shellfabric.impact.proposals import PROPOSALS  # noqa: E402
 from shellfabric.membrane import quality  # noqa: E402
 from shellfabric.membrane.indicator import Check  # noqa: E402
