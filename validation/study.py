@@ -93,7 +93,11 @@ class Study:
         rows: list[Row] = []
         for case in content.get("case", [{}]):
             rows += self._rows_of(case, base)
-        return rows[:most]
+        if most is None:
+            return rows
+        # errors are those against the exact case, whatever is left out
+        exact = content.get("cost", {}).get("exact")
+        return rows[:most] + [row for row in rows[most:] if exact in row.labels.values()]
 
     def row_at(self, chosen: Record) -> Row:
         """Return the case at other values {key of `each`: value}, of a study without [[case]]."""
