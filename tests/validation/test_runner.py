@@ -199,6 +199,7 @@ def test_what_is_taken_from_kept_results_needs_no_run_before_it():
 
 
 @pytest.mark.nightly
+@pytest.mark.slow(20)
 @pytest.mark.parametrize(
     "name", [name for name in study.all_names() if "quick" in study.load(name).content]
 )

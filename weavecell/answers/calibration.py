@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from unitcell3d.identify.calibration import Calibration
     from unitcell3d.identify.law_range import LawRange
     from unitcell3d.identify.solid_record import SolidFit
+    from weavecell.report.page import Section
     from weavecell.studies.solid_tests import SolidTests
 YARNS = ("warp", "weft")
 FABRIC_KEYS = "fabric-keys.toml"
@@ -300,6 +301,10 @@ class CalibrationResult(WrittenResult):
     def _notebook_table(self):
         return tabulate("law", self._list_laws())
 
+    def sections(self) -> tuple[Section, ...]:
+        """Return the chapters of a report that are of the fit and of its cell."""
+        return chapters_calibration.list_chapters(self, self._notebook_table())
+
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""
         done = self.calibration
@@ -399,7 +404,7 @@ class CalibrationResult(WrittenResult):
         )
         if done.friction:
             lead += f" Coulomb friction between the yarns: {done.friction:g}."
-        sections = chapters_calibration.list_chapters(self, self._notebook_table())
+        sections = self.sections()
         picture = (folder / "crossover.png").read_bytes()
         of_mesh = chapters.mesh(self.mesh.words(), picture)
         sections = (*sections, of_mesh, checks.section(self.checks))

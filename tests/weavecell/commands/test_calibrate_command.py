@@ -22,7 +22,6 @@ from unitcell3d.identify.solid_record import PlatenClosures, PulledLoads, SolidF
 from validation.cases import solid
 from weavecell.answers.law_effect import LawEffect
 from weavecell.api import calibration
-from weavecell.report import chapters_calibration
 
 
 @pytest.fixture
@@ -207,7 +206,7 @@ def test_a_law_outside_the_ends_of_its_range_says_so(small):
     found = replace(found, calibration=replace(found.calibration, law=law))
     note = "stiff end softer than the law from "
     assert note in found.details()
-    assert note in chapters_calibration.list_chapters(found, found._notebook_table())[0].lead
+    assert note in found.sections()[0].lead
 
 
 @pytest.mark.slow(8)
