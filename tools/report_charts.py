@@ -35,7 +35,11 @@ METHOD = "method"
 DEFAULT = "default"
 REFERENCE = "reference"
 # what the study calls the default of the product; coupons and shots have a row of that name
-DEFAULTS = {"crossover": "8 x 6 x 4"}
+DEFAULTS = {
+    "crossover": "8 x 6 x 4",
+    "crossover-order": "8 x 6 x 4",
+    "law-or-surface": "calibrate, 8 x 6 x 4",
+}
 TITLES = {
     "cost-ply-stopped": "One ply of S-720, 92.5 m/s, stops the projectile",
     "cost-drawn-ply": "One ply of S-728, 5.5 mm sphere at 140 m/s, 12 drawn shots",
@@ -45,6 +49,8 @@ TITLES = {
     "cost-pack-bullet": "Ten plies of S-728, a 9 mm bullet at 400 m/s",
     "cost-bullet": "9 mm bullet, twelve plies of S-745, 190 m/s",
     "crossover": "3D crossover of S-720",
+    "crossover-order": "3D crossover of S-720: hexahedra of order 1 and 2",
+    "law-or-surface": "A law or a surface in place of the 3D crossover, own aramid",
     "cost-bias-extension": "Coupon: bias extension of S-728",
     "cost-biaxial-coupon": "Coupon: biaxial tension",
     "cost-struck-yarn": "One struck yarn",
@@ -87,6 +93,8 @@ ALL_NAMED = (
     "cost-bullet",
     "cost-pack-fragment",
     "cost-pack-bullet",
+    "crossover-order",
+    "law-or-surface",
 )
 # mark and colour of each outcome, and what it says
 OUTCOMES = {

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import basix
 import dolfinx
 import numpy as np
 import ufl
@@ -43,7 +44,7 @@ def _old():
 
 @dataclass(frozen=True)
 class HexSpace:
-    """Vector Q1 displacements and cell constants on one serial mesh of hexahedra.
+    """Vector displacements, of order 1 or 2, and cell constants on one serial mesh of hexahedra.
 
     node : (n,) number of the caller's point that carries block i of the displacement
     cell : (m,) number of the caller's cell that dolfinx keeps as its cell i
@@ -61,24 +62,31 @@ class HexSpace:
         Parameters
         ----------
         points : (n, 3) [m]
-        hexes : (m, 8) point numbers in VTK order; the cell's first local axis runs from corner 0 to
-            corner 1
+        hexes : (m, 8) point numbers in VTK order, or (m, 27) in that of `second_order_places`; the
+            cell's first local axis runs from corner 0 to corner 1
         """
-        cells = np.ascontiguousarray(np.asarray(hexes, np.int64)[:, VTK_TO_DOLFINX])
+        cells = np.asarray(hexes, np.int64)
+        order = 2
+        if cells.shape[1] == len(VTK_TO_DOLFINX):
+            order = 1
+            cells = cells[:, VTK_TO_DOLFINX]
+        cells = np.ascontiguousarray(cells)
         given: dict[str, Any] = {"x": np.asarray(points, float)}
         if _old():
-            given["domain"] = ufl.Mesh(ufl.VectorElement("Lagrange", "hexahedron", 1))
+            given["domain"] = ufl.Mesh(ufl.VectorElement("Lagrange", "hexahedron", order))
         else:
             import basix.ufl
 
-            given["e"] = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,)))
+            given["e"] = ufl.Mesh(basix.ufl.element("Lagrange", "hexahedron", order, shape=(3,)))
         # one process owns a crossover: several crossovers run beside each other in processes of
         # their own. By name, since 0.10 has points and element in the other order
         mesh = dolfinx_mesh.create_mesh(MPI.COMM_SELF, cells, **given)
-        space = _vector_space(mesh, "Lagrange", 1, 3)
+        space = _vector_space(mesh, "Lagrange", order, 3)
         node = np.empty(len(points), np.int64)
-        dofs = _rows(space.dofmap.list, 8)
-        node[dofs] = np.asarray(mesh.geometry.input_global_indices)[_rows(mesh.geometry.dofmap, 8)]
+        dofs, corners = (
+            _rows(table, cells.shape[1]) for table in (space.dofmap.list, mesh.geometry.dofmap)
+        )
+        node[dofs] = np.asarray(mesh.geometry.input_global_indices)[corners]
         return cls(mesh, space, node, np.asarray(mesh.topology.original_cell_index))
 
     @cached_property
@@ -101,6 +109,14 @@ class HexSpace:
         """Give a coefficient of `cell_constants` the values (m, c) by the caller's cells."""
         dofs = _rows(function.function_space.dofmap.list, 1)[:, 0]
         function.x.array.reshape(-1, values.shape[1])[dofs] = values[self.cell]
+
+
+def second_order_places() -> IntArray:
+    """Return the places (27, 3) of 0, 1, 2 along the local axes at which a hexahedron of order 2 has its points."""
+    chosen = basix.create_element(
+        basix.ElementFamily.P, basix.CellType.hexahedron, 2, basix.LagrangeVariant.gll_warped
+    )
+    return np.rint(2 * chosen.points).astype(int)
 
 
 class Assembler:

@@ -19,6 +19,7 @@ MODULES = (
     "models",
     "patches",
     "peers",
+    "sampled",
     "series",
     "solid",
     "weaves",
@@ -66,6 +67,8 @@ def _module(name):
             from validation.cases import patches as module
         case "peers":
             from validation.cases import peers as module
+        case "sampled":
+            from validation.cases import sampled as module
         case "series":
             from validation.cases import series as module
         case "solid":

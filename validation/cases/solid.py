@@ -29,6 +29,7 @@ from unitcell3d.model.crossover import CrossoverModel, Load, Numerics
 from unitcell3d.solver.load_stepping import Steps
 from unitcell3d.solver.path_following import follow
 from validation.models.crossover_law import fitted
+from validation.models.second_order import SecondOrderCrossover
 from validation.models.variants import scale_solids
 from validation.values import Values, flags, largest
 
@@ -52,6 +53,7 @@ def paths(
     ends: Mapping[str, Sequence[float]],
     fabric: str = FABRIC,
     size: Sequence[int] = (8, 6, 2),
+    order: int = 1,
     domain: str = "quarter",
     section: str | None = None,
     tip: float | None = None,
@@ -68,6 +70,7 @@ def paths(
     ----------
     ends : {path: (d1, d2)} [m] end displacements at which they stop
     fabric : name
+    order : of the hexahedra, 1 or 2: then each is eight of the mesh (`models.second_order`)
     size, domain, section, tip : of `meshing.crossover.build`; tip is its tip_thickness_ratio
     equal_bars : whether all fibre bars have one area, and not what is nearest to each
     one_point : one-point integration of the solids
@@ -101,7 +104,8 @@ def paths(
     unknowns = 0
     values: dict[str, float] = {}
     for name, end in ends.items():
-        model = CrossoverModel(mesh, given, numerics, integration=INTEGRATION[one_point])
+        kind = SecondOrderCrossover if order == 2 else CrossoverModel
+        model = kind(mesh, given, numerics, integration=INTEGRATION[one_point])
         load: Any = tuple(end)
         history = follow(model, [Load(), Load(load)], row(model), steps=stepping)
         if history.failed:
