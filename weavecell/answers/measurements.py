@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from weavecell.runs.measurement import Measurement
-LISTED = 4  # measurements that are printed
+LISTED = 3  # measurements that are printed
 
 
 @explain_frozen
@@ -54,12 +54,14 @@ class MeasureFirst(Result):
         now = {one.answer: one.words(one.now) for one in listed}
         said = [f"{name} {words} now" for name, words in now.items()]
         value = ", ".join(said[:2])
-        others = len(self.found) - len(worth)
+        others = len(self.found) - len(listed)
         if not worth:
             value += "; none narrows it by a tenth: fire more shots"
         elif others:
-            value += f"; {others} more by less than a tenth"
-        of_several = len({one.answer for one in self.found}) > 1
+            value += f"; {others} more " + (
+                "narrow it less" if len(worth) > LISTED else "by less than a tenth"
+            )
+        of_several = len(now) > 1
         parts = tuple(one.parts(named=of_several) for one in listed)
         return Answer(subject, value, self.doubts, listed=parts)
 

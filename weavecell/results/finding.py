@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from shellfabric.membrane.indicator import Indicator
 
 WIDTH, LABEL = 120, 11  # characters of a printed line, and of what stands before it
-RANKS = "first", "second", "third", "fourth"
+RANKS = "first", "second", "third"
 PLAIN = "plain"
 COLOURED = ("stopped", "perforated", "unstable")
 CLEAR = "no check beyond its limit"

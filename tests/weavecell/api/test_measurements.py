@@ -140,3 +140,22 @@ def test_what_has_no_drawn_shots_is_refused():
             wc.measure_first(wrong)
     with pytest.raises(InputError, match="is not there"):
         wc.measure_first("nowhere")
+
+
+@pytest.mark.parametrize("fabrics", [1, 3])
+@pytest.mark.parametrize("found", [1, 3, 4, 9])
+def test_what_is_printed_is_short_however_many_narrow_an_answer(fabrics, found):
+    now, then = Span(103.0, 83.0, 126.0), Span(103.0, 93.0, 113.0)
+    made = [
+        Measurement(
+            f"V50 of fabric {number % fabrics}", now, then, "m/s", "friction between plies",
+            0.01, "", "sled of fabric on fabric", key="panel.ply_friction",
+        )
+        for number in range(found)
+    ]  # fmt: skip
+    lines = str(wc.MeasureFirst("plies that stop FSP 1.10 g at 70 m/s", tuple(made))).splitlines()
+    assert len(lines) <= 8
+    assert max(map(len, lines)) <= 120
+    assert sum(len(line.split()) for line in lines) <= 110
+    unlisted = found - 3
+    assert (f"{unlisted} more narrow it less" in lines[1]) == (unlisted > 0)
