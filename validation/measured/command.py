@@ -19,7 +19,7 @@ import numpy as np
 from fabrics.base.errors import InputError
 from validation import csv_file, origin, stale
 from validation.measured import statistics
-from validation.measured.rows import DRAWN, Row, compute, number, read
+from validation.measured.rows import DRAWN, SOLIDS, Row, compute, number, read
 from validation.values import Values, compute_each
 from weavecell.report.chapters_discretisation import AGAINST_TESTS
 
@@ -82,7 +82,7 @@ def main(
         kept[row.id] = drawn(predicted.get(row.id, {}))
     table = [held(row, kept.get(row.id, {})) for row in rows]
     here = Path(__file__).parent
-    inputs = origin.digest_of_files(here / "rows.csv", *here.glob("inputs/**/*.toml"))
+    inputs = origin.digest_of_files(here / "rows.csv", *here.glob("inputs/**/*.toml"), SOLIDS)
     made = origin.write(words, inputs, origin.spent())
     csv_file.write(folder / "measured.csv", table, made)
     quantities = summary(table)
@@ -135,7 +135,8 @@ def _ran(found, case, coarse, commit):
 def held(row: Row, ran: Mapping[str, str]) -> Values:
     """Make a row of measured.csv: with E, u_num, u_input and u_val if a number is computed.
 
-    u_num is the difference of the two runs of the row and its standard error, where both runs are there.
+    u_num is the difference of the two runs of the row and its standard error, where both runs are there; of closures
+    the spread of five solids (`rows`).
     """
     known: Values = {key: getattr(row, key) for key in ("id", "level", "quantity", "unit")}
     known |= {"measured": row.value, "sigma": row.sigma}

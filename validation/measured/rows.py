@@ -27,10 +27,14 @@ from fabrics.base import run_cache
 from fabrics.base.units import si
 from fabrics.fabric import Fabric
 from fabrics.plate_curve import PlateCurve
+from fabrics.variants import with_solids
 from meshing import crossover as mesher
 from shellfabric.projectile.turned import Turned
 from unitcell3d.identify.platen_misfit import closures
+from unitcell3d.model.crossover import Numerics
+from validation import csv_file
 from validation.cases.solid import PACKING, pressed
+from validation.measured import statistics
 from validation.models.bare_impact import Strike, strike
 from validation.models.taylor_bar import Taylor, strike_wall
 from validation.values import Values, largest
@@ -38,6 +42,11 @@ from weavecell.api import target
 from weavecell.studies import ballistic_limit, pack_limit
 
 HERE = Path(__file__).parent
+SOLIDS = (
+    csv_file.DATA / "calibration-chain.csv"
+)  # of six fabrics, each fitted to its own platen curve
+OF_SOLIDS = "E_c [GPa], 95 %", "V_c, 95 %", "K_r, 95 %"  # its columns
+CLOSURES = "closure_below", "closure_above"  # measures: what platens close below PACKING, and above
 DRAWN = "v50"  # measure of a number that shots are drawn for (`validation.measured.scored`)
 
 
@@ -143,6 +152,8 @@ def _changes(text):
 def case_of(measure: str, name: str, changes: tuple[tuple[str, str], ...]) -> Case:
     """Make the Case of a measure of an input file, with its changes."""
     files = [HERE / "inputs" / f"{name}.toml", *sorted((HERE / "inputs" / "fabrics").iterdir())]
+    if measure in CLOSURES:
+        files.append(SOLIDS)
     return Case(measure, name, "\f".join(file.read_text("utf-8") for file in files), changes)
 
 
@@ -197,8 +208,9 @@ def compute(case: Case) -> tuple[Any, float, float]:
     fabric = wc.fabric(table["name"], linear_density=table["linear_density"])
     if case.measure in OF_FABRICS:
         return OF_FABRICS[case.measure](fabric), 0.0, 0.0
-    below, above = _closure(case, fabric)
-    return {"closure_below": below, "closure_above": above}[case.measure], 0.0, 0.0
+    part = CLOSURES.index(case.measure)
+    middle, error = statistics.of_one_more(_closures(case, fabric))
+    return middle[part], error[part], 0.0
 
 
 def _limit(case, **more):
@@ -247,10 +259,28 @@ def _taylor(case):
     return strike_wall(bar, si(table["velocity"], "m/s"))
 
 
-def _closure(case, fabric):
-    """[um] what the 3D crossover closes between platens up to PACKING, and from there to the highest pressure."""
+def _closures(case, fabric):
+    """(n, 2) [um] what the 3D crossover closes between platens up to PACKING, and from there to the highest
+    pressure, by each of the n solids that platens of the other fabrics give."""
     law = PlateCurve.pressure_law(fabric.areal_density_measured)  # pressures of the test
     ends = np.array([law.pressure[0], PACKING, law.pressure[-1]])
     mesh = mesher.build(fabric, size=tuple(map(int, case.options.get("size", "6 4 2").split())))
-    history = pressed(mesh, fabric)
-    return (1e6 * np.diff(closures(history, fabric.weave.cell_area, ends, law.at(ends)))).tolist()
+    found = []
+    for constants in _solids_of_others(fabric.name):
+        # V_c of a fit belongs to the fibre fraction of its mesh: what it leaves to close is taken over
+        V_c = constants["V_c"] + max(mesh.Vf0)
+        solid = with_solids(fabric, E_c=constants["E_c"], K_r=constants["K_r"], V_c=V_c)
+        history = pressed(mesh, solid, Numerics(fibre_fraction="mesh"))
+        found.append(np.diff(closures(history, fabric.weave.cell_area, ends, law.at(ends))))
+    return 1e6 * np.array(found)
+
+
+def _solids_of_others(name):
+    """[{E_c [Pa], K_r, V_c less the fibre fraction at rest}] of SOLIDS, without the fabric that is computed."""
+    found = []
+    for row in csv_file.read(SOLIDS)[1]:
+        if row["fabric"] != name:
+            mesh = mesher.build(wc.fabric(row["fabric"]), size=(4, 3, 1))
+            E_c, V_c, K_r = (number(row[key].partition("/")[0]) for key in OF_SOLIDS)
+            found.append({"E_c": 1e9 * E_c, "K_r": K_r, "V_c": V_c - max(mesh.Vf0)})
+    return found

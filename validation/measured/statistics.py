@@ -17,7 +17,9 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 
 import numpy as np
+from scipy.stats import t as student
 
+from fabrics.base.checks import FloatArray
 from validation.values import rms
 
 COVERAGE = 1.645  # u_val on either side that are the interval of 90 % which all answers have
@@ -50,6 +52,20 @@ def of(measured: Sequence[float], computed: Sequence[float], sigma: Sequence[flo
     counted = min(test, scatter / sqrt(2))
     model = sqrt(scatter**2 - counted**2)
     return Statistics(exp(logs.mean() + (model**2 - counted**2) / 2), model, test)
+
+
+def of_one_more(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Predict one more value from n alike: (mean, standard error), by Student's t. The error is such that COVERAGE of
+    it on either side are the interval of 90 %.
+
+    Parameters
+    ----------
+    values : (n, ...), n of 2 or more
+    """
+    n = len(values)
+    wider = float(student.ppf(0.95, n - 1)) / COVERAGE
+    spread = np.std(values, axis=0, ddof=1)
+    return np.mean(values, axis=0), wider * sqrt(1 + 1 / n) * spread
 
 
 def is_within(row: Mapping[str, str], coverage: float = COVERAGE) -> bool:

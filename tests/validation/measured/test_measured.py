@@ -82,6 +82,8 @@ STRUCK = Given(
     energies={"error": np.array([0.0, 0.2]), "projectile": np.array([50.0, 40.0])},
 )
 BAR = Given(length=0.031, width=0.009, energy_error=2e-4)
+T_OF_TWO = 2.919986  # Student's t, 90 % on both sides, two degrees of freedom: printed tables
+CLOSED = np.array([[35.0, 18.0], [37.0, 22.0], [39.0, 17.0]])
 # of a measure: (value, standard error, error of energy)
 COMPUTED = {
     "outcome": ("stopped", 0.0, 3e-4),
@@ -95,8 +97,8 @@ COMPUTED = {
     "growth": (1.5, 1.5 * hypot(hypot(5.0, 6.0) / 300, hypot(3.0, 4.0) / 200), 9e-4),
     "areal_density": (211.0, 0.0, 0.0),
     "thickness": (0.34, 0.0, 0.0),
-    "closure_below": (37.0, 0.0, 0.0),
-    "closure_above": (19.0, 0.0, 0.0),
+    "closure_below": (37.0, 2.0 * sqrt(4 / 3) * T_OF_TWO / 1.645, 0.0),
+    "closure_above": (19.0, sqrt(7) * sqrt(4 / 3) * T_OF_TWO / 1.645, 0.0),
 }
 
 
@@ -107,6 +109,30 @@ def test_a_row_is_chosen_by_its_id_and_several_by_a_part_of_theirs():
     assert command.choose(ids, "") == ids
     with pytest.raises(InputError, match=r"only = 'plies': must be part of one of pack, 9 mm, "):
         command.choose(ids, "plies")
+
+
+@pytest.mark.parametrize("n", [2, 3, 5, 20])
+def test_one_more_of_few_is_in_the_interval_of_90_percent(n):
+    """On 40,000 made sets of n + 1 alike."""
+    made = np.random.default_rng(n).normal(4.0, 3.0, (n + 1, 40_000))
+    middle, error = statistics.of_one_more(made[:n])
+    inside = np.abs(made[n] - middle) <= statistics.COVERAGE * error
+    assert inside.mean() == pytest.approx(0.90, abs=0.008)
+
+
+@pytest.mark.parametrize("name", ["S-726", "S-745"])
+def test_a_closure_is_of_the_solids_of_the_other_fabrics(name):
+    """Their V_c lies as far above the fibre fraction of the mesh as in their own fits."""
+    pytest.importorskip("gmsh")
+    own = {row["fabric"]: row for row in csv_file.read(rows.SOLIDS)[1]}
+    found = rows._solids_of_others(name)
+    kept = {key: float(row["E_c [GPa], 95 %"].partition("/")[0]) for key, row in own.items()}
+    assert [one["E_c"] for one in found] == [
+        pytest.approx(1e9 * E_c) for key, E_c in kept.items() if key != name
+    ]
+    # S-728 has the loosest yarns of all and S-731 the second densest: printed V_c of both would mislead
+    left = {key: one["V_c"] for key, one in zip([key for key in own if key != name], found)}
+    assert 0.2 < left["S-728"] < left["S-731"] < 0.6
 
 
 def test_a_v50_is_that_of_drawn_shots():
@@ -124,7 +150,7 @@ def test_each_measure_is_what_its_name_says(monkeypatch):
     weave = Given(areal_density=0.211, thickness=0.34e-3)
     monkeypatch.setattr(rows, "_strike", lambda case: STRUCK)
     monkeypatch.setattr(rows, "_taylor", lambda case: BAR)
-    monkeypatch.setattr(rows, "_closure", lambda case, fabric: [37.0, 19.0])
+    monkeypatch.setattr(rows, "_closures", lambda case, fabric: CLOSED)
     monkeypatch.setattr(rows.wc, "impact", lambda setup: SHOT)
     monkeypatch.setattr(rows.wc, "fabric", lambda *_, **__: Given(weave=weave))
 
