@@ -6,11 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import weavecell as wc
 from fabrics.base.errors import InputError
 from fabrics.plate_curve import PlateCurve
 from meshing import crossover as mesher
 from unitcell3d.cases import biaxial_and_platens
-from unitcell3d.identify import solid_fit
+from unitcell3d.identify import least_squares, solid_fit
 from unitcell3d.identify.biaxial_states import PulledTest
 from unitcell3d.identify.least_squares import identify
 from unitcell3d.identify.platen_misfit import closures
@@ -221,6 +222,36 @@ def test_states_off_a_straight_line_and_free_directions_are_refused():
         PulledTest("free", free, np.zeros_like(free))
     with pytest.raises(InputError, match="a strain above 0"):
         PulledTest("shorter", -STRAIN, np.zeros_like(STRAIN))
+
+
+@pytest.mark.parametrize("deeper", [-1, 1])
+def test_of_two_minima_along_the_flattest_direction_the_lower_is_taken(deeper):
+    """The square of the first misfit is 600 (y^2 - 0.04)^2 + 0.3 - 0.2 deeper y, y along (0.6, 0.8): wells at about 0.2
+    and -0.2. The second misfit is steep across it."""
+    along, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+
+    def evaluate(x):
+        y = along @ x
+        square = 600 * (y**2 - 0.04) ** 2 + 0.3 - 0.2 * deeper * y
+        slope = (2400 * y * (y**2 - 0.04) - 0.2 * deeper) / (2 * square**0.5)
+        return np.array([square**0.5, 9 * across @ x - 0.1]), np.stack([slope * along, 9 * across])
+
+    bounds = np.full(2, -3.0), np.full(2, 3.0)
+    first = least_squares.solve(evaluate, -0.19896 * deeper * along, bounds)
+    assert deeper * along @ first.x < -0.15
+    found = solid_fit._look_beside(first, evaluate, bounds)
+    assert deeper * along @ found.x > 0.19
+    assert solid_fit._look_beside(found, evaluate, bounds).x == pytest.approx(found.x, abs=0.01)
+
+
+@pytest.mark.slow(40)
+def test_platens_that_the_law_does_not_follow_have_the_lowest_of_their_minima():
+    """S-728 has one at E_c = 0.58 GPa, found first, whose sum of squares is a quarter higher."""
+    fabric = wc.fabric("S-728")
+    curve = PlateCurve.pressure_law(fabric.areal_density_measured)
+    found = fit_solid(fabric, curve, size=(4, 3, 1), check_size=None)
+    E_c = found.values["E_c"]
+    assert E_c < 0.45e9
 
 
 @pytest.mark.slow(50)
