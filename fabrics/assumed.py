@@ -38,7 +38,7 @@ from fabrics.fabric_tables import FIBRES
 from fabrics.families import Entry, Family, list_families
 from fabrics.families.trellis import LARGEST
 
-_SOFT_AT_HIGH = ("gamma1", "gamma2", "V_c")
+_SOFT_AT_HIGH = ("gamma1", "gamma2")
 TABLES = {
     "shear": "G1, G2, gamma1 and gamma2",
     "solid": "E_a, E_c, K_r, K_G, V_c and Vf0 of warp and weft",
@@ -99,39 +99,16 @@ def has_range(fabric: Fabric, table: str) -> bool:
 def shear_at(fabric: Fabric, share: float) -> Fabric:
     """Return the fabric with its trellis law at a place in its range: 0 is the soft end, 0.5 the law as it
     is, 1 the stiff end."""
-    return replace(fabric, shear=_law_at(fabric, "shear", "", fabric.shear, share))
-
-
-def solid_ends(fabric: Fabric) -> dict[str, Fabric]:
-    """Return the fabric with each end of its solid laws, {"soft", "stiff": Fabric}; empty if none
-    of their numbers has a range."""
-    fabrics = {}
-    for end, share in {"soft": 0.0, "stiff": 1.0}.items() if has_range(fabric, "solid") else ():
-        of_each = zip(FAMILIES, fabric.solid_laws or ())
-        warp, weft = (_law_at(fabric, "solid", family, law, share) for family, law in of_each)
-        fabrics[end] = replace(fabric, solid_laws=(warp, weft))
-    return fabrics
-
-
-def _law_at(fabric, table, family, law, share):
-    """Return the law of a family with each number at a share of its range, from its soft to its
-    stiff end."""
+    law = fabric.shear
+    assert law is not None
     numbers = {}
     for name, value in vars(law).items():
-        # a range may be given for both families, or for one
-        for key in (f"{table}.{name}", f"{table}.{family}.{name}"):
-            low, high = fabric.ranges.get(key, (1.0, 1.0))
-            ends = (high, 1.0, low) if name in _SOFT_AT_HIGH else (low, 1.0, high)
-            value *= float(np.interp(share, (0.0, 0.5, 1.0), ends))
-        numbers[name] = value
-    if table == "solid":
-        # a yarn is not packed at rest, and softer when it is loose
-        numbers["V_c"] = max(numbers["V_c"], 1.01 * numbers["Vf0"])
-        numbers["K_r"] = min(numbers["K_r"], 0.99)
-    else:
-        numbers["gamma2"] = min(numbers["gamma2"], LARGEST)
-        numbers["gamma1"] = min(numbers["gamma1"], 0.99 * numbers["gamma2"])
-    return replace(law, **numbers)
+        low, high = fabric.ranges.get(f"shear.{name}", (1.0, 1.0))
+        ends = (high, 1.0, low) if name in _SOFT_AT_HIGH else (low, 1.0, high)
+        numbers[name] = value * float(np.interp(share, (0.0, 0.5, 1.0), ends))
+    numbers["gamma2"] = min(numbers["gamma2"], LARGEST)
+    numbers["gamma1"] = min(numbers["gamma1"], 0.99 * numbers["gamma2"])
+    return replace(fabric, shear=replace(law, **numbers))
 
 
 def _usual_ranges(fabric, table):

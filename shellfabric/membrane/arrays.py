@@ -19,7 +19,6 @@ from shellfabric.projectile import contact, window_kernels
 from shellfabric.state import Constants, Numbers, PointLaw, State, Surface, Work
 from shellfabric.surface.nodal_force_kernels import clear_window
 
-_PIECE = 256  # slots that loops of two halves go over at a time (see `membrane_kernels`): a whole number of eights
 USUAL_POINTS = 8  # of contact along a crossover, under a nose that they resolve
 SPACING = 0.8  # [nose radii] of contact points at most: peak tensions are within 3 % of those of points much closer
 # along a side of an element: all those of an element are kept in memory, four numbers each

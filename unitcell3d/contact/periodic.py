@@ -25,9 +25,38 @@ NO_PLACES = np.empty((0, 0), np.int64)
 
 
 class Frictionless:
-    """A contact that slides without friction: it has nothing to keep from a step to the next."""
+    """A contact that slides without friction: it has nothing to keep from a step to the next. What of it has
+    been met is laid out in the tangent.
+
+    nodes : (points, m) that acted on each other at the last call of `assemble`; -1 where none did
+    """
 
     anchors = np.empty((0, 2))
+
+    def __init__(self, nodes: IntArray) -> None:
+        self._nodes = nodes
+        self._met = np.empty((0, nodes.shape[1]), np.int64)
+        self._pattern: Pattern  # from the first call of `build_pattern` on
+        self.gaps = np.full(len(nodes), np.inf)
+
+    def _acting(self):
+        return self._nodes[self._nodes[:, 0] >= 0]
+
+    def expected_stencils(self) -> IntArray:
+        """Return the stencils that have been met: a contact at few points is cheap to lay out when
+        it is."""
+        self._met = np.unique(np.concatenate([self._met, self._acting()]), axis=0)
+        return self._met
+
+    def build_pattern(self, pattern: Pattern) -> None:
+        """Keep the pattern, as `surfaces.SurfacePairs.build_pattern` does."""
+        self._pattern = pattern
+
+    def pattern_outdated(self) -> bool:
+        """Tell whether the pattern lacks what was met, as `surfaces.SurfacePairs.pattern_outdated`
+        does."""
+        met = self._acting()
+        return len(met) > 0 and not self._pattern.holds(met)
 
     def commit(self, x: FloatArray, numerics: Numerics) -> None:
         """Keep nothing."""
@@ -63,32 +92,12 @@ class Edges(Frictionless):
         sine = float(sums.norm(np.cross(a, b)) / (sums.norm(a) * sums.norm(b)))
         self._area = thickness**2 / sine
         self._toward = np.eye(3)[across]
-        self.gaps = np.array([np.inf])
-        # that acted on each other at the last call of `assemble`
-        self._nodes = np.full(8, -1)
-        self._met = np.empty((0, 8), np.int64)
-        self._pattern: Pattern  # from the first call of `build_pattern` on
+        super().__init__(np.full((1, 8), -1))
 
     @property
     def deepest(self) -> float:
         """[m] penetration at the last call of `assemble`."""
-        return max(-float(self.gaps[0]), 0.0) if self._nodes[0] >= 0 else 0.0
-
-    def expected_stencils(self) -> IntArray:
-        """Return the stencils that have been met: a contact at one point is cheap to lay out when
-        it is."""
-        if self._nodes[0] >= 0:
-            self._met = np.unique(np.concatenate([self._met, self._nodes[None]]), axis=0)
-        return self._met
-
-    def build_pattern(self, pattern: Pattern) -> None:
-        """Keep the pattern, as `surfaces.SurfacePairs.build_pattern` does."""
-        self._pattern = pattern
-
-    def pattern_outdated(self) -> bool:
-        """Tell whether the pattern lacks what was met, as `surfaces.SurfacePairs.pattern_outdated`
-        does."""
-        return self._nodes[0] >= 0 and not self._pattern.holds(self._nodes[None])
+        return max(-float(self.gaps[0]), 0.0) if len(self._acting()) else 0.0
 
     def assemble(
         self,
@@ -100,8 +109,9 @@ class Edges(Frictionless):
         """Add forces and tangent as `surfaces.SurfacePairs.assemble` does; return the force [N]
         between the edges."""
         places = NO_PLACES
-        if values is not None and self._nodes[0] >= 0:
-            places = self._pattern.places(self._nodes[None])[0]
+        acting = self._acting()
+        if values is not None and len(acting):
+            places = self._pattern.places(acting)[0]
         first, second = self._edges
         self.gaps[0], force = edge_contact_kernels.edge_pass(
             x,
@@ -111,7 +121,7 @@ class Edges(Frictionless):
             self._area,
             numerics.penalty,
             numerics.toe,
-            self._nodes,
+            self._nodes[0],
             forces,
             places,
             NO_VALUES if values is None else values,
@@ -176,32 +186,13 @@ class Sides(Frictionless):
         self._areas = areas[acting]
         self._share = share
         self._t = guess[acting].astype(float)
-        self.gaps = np.full(len(acting), np.inf)
         self.forces = np.zeros(len(acting))
-        self._nodes = np.full((len(acting), self._size), -1)
-        self._met = np.empty((0, self._size), np.int64)
-        self._pattern: Pattern
+        super().__init__(np.full((len(acting), self._size), -1))
 
     @property
     def deepest(self) -> float:
         """[m] penetration at the last call of `assemble`."""
         return float(max(-self.gaps.min(initial=np.inf), 0.0))
-
-    def expected_stencils(self) -> IntArray:
-        """Return the stencils that have been met."""
-        self._met = np.unique(
-            np.concatenate([self._met, self._nodes[self._nodes[:, 0] >= 0]]), axis=0
-        )
-        return self._met
-
-    def build_pattern(self, pattern: Pattern) -> None:
-        """Keep the pattern, as `surfaces.SurfacePairs.build_pattern` does."""
-        self._pattern = pattern
-
-    def pattern_outdated(self) -> bool:
-        """Tell whether the pattern lacks what was met."""
-        met = self._nodes[self._nodes[:, 0] >= 0]
-        return len(met) > 0 and not self._pattern.holds(met)
 
     def assemble(
         self,
@@ -245,27 +236,19 @@ def neighbours(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Ed
     """
     reach = cells // 2
     found = []
-    for family in (0, 1):
-        thick = mesh.sections[family].thickness
-        yarns = _yarns(mesh, family)
-        for yarn, next_yarn in zip(yarns, [*yarns[1:], yarns[0]]):
-            # the last one's neighbour is the image of the first, one cell further across
-            step = int(yarn == yarns[-1])
-            m, n = (0, step) if family == 0 else (step, 0)
-            first = images.extended(yarn, 0, 0, reach)
-            second = images.extended(next_yarn, m, n, reach)
-            # they pass each other at each end of a crossing; of the two ends of the cell, one
-            for end in range(cells, len(mesh.grids[yarn]), cells):
-                # the grid begins `reach` columns early
-                part = slice(end, end + 2 * reach + 1)
-                one, other = first[part], second[part]
-                rises = [
-                    images.points[g[-1], VERTICAL].mean() - images.points[g[0], VERTICAL].mean()
-                    for g in (one, other)
-                ]
-                if rises[0] * rises[1] < -1e-3 * thick**2:
-                    pair = one[:, -1], other[:, 0], 1 - family, thick
-                    found.append((family, pair))
+    for family, thick, first, second in _parallel_neighbours(mesh, images, reach):
+        # they pass each other at each end of a crossing; of the two ends of the cell, one
+        for end in range(cells, len(first) - 2 * reach, cells):
+            # the grid begins `reach` columns early
+            part = slice(end, end + 2 * reach + 1)
+            one, other = first[part], second[part]
+            rises = [
+                images.points[g[-1], VERTICAL].mean() - images.points[g[0], VERTICAL].mean()
+                for g in (one, other)
+            ]
+            if rises[0] * rises[1] < -1e-3 * thick**2:
+                pair = one[:, -1], other[:, 0], 1 - family, thick
+                found.append((family, pair))
     # all images are there now
     return [(family, Edges(images.points, *pair)) for family, pair in found]
 
@@ -275,44 +258,34 @@ def sides(mesh: YarnMesh, images: Images, cells: int) -> list[tuple[int, Sides]]
     crossing. Returns each with its family; parameters as of `neighbours`."""
     reach = cells // 2
     found = []
-    for family in (0, 1):
-        thick = mesh.sections[family].thickness
-        yarns = _yarns(mesh, family)
-        for yarn, next_yarn in zip(yarns, [*yarns[1:], yarns[0]]):
-            step = int(yarn == yarns[-1])
-            m, n = (0, step) if family == 0 else (step, 0)
-            first = images.extended(yarn, 0, 0, reach)
-            second = images.extended(next_yarn, m, n, reach)
-            size = len(mesh.grids[yarn]) - 1
-            at = np.arange(size) + reach  # elements of the cell in the extended grids
-            heights = [images.points[g, VERTICAL].mean(axis=(1, 2)) for g in (first, second)]
-            middle = reach + cells * (np.arange(size) // cells) + reach  # of the crossing of each
-            level = heights[0][middle] * heights[1][middle] > 0
-            apart = abs(heights[1] - heights[0])
-            apart = 0.5 * (apart[at] + apart[at + 1])
-            near = np.where(level, np.clip(1 - (2 * apart / thick) ** 2, 0, 1) ** 2, 0.0)
-            if not near.any():
-                continue
-            half = first.shape[1] // 2
-            ones = first[:, half + 1 :], second[:, :half]
-            flanks = [one.reshape(len(one), -1) for one in ones]
-            tips = first[:, -1], second[:, 0]
-            offset = sum(
-                abs(
-                    images.points[a][..., 1 - family].mean()
-                    - images.points[b][..., 1 - family].mean()
-                )
-                for a, b in zip(flanks, tips)
+    for family, thick, first, second in _parallel_neighbours(mesh, images, reach):
+        size = len(first) - 2 * reach - 1
+        at = np.arange(size) + reach  # elements of the cell in the extended grids
+        heights = [images.points[g, VERTICAL].mean(axis=(1, 2)) for g in (first, second)]
+        middle = reach + cells * (np.arange(size) // cells) + reach  # of the crossing of each
+        level = heights[0][middle] * heights[1][middle] > 0
+        apart = abs(heights[1] - heights[0])
+        apart = 0.5 * (apart[at] + apart[at + 1])
+        near = np.where(level, np.clip(1 - (2 * apart / thick) ** 2, 0, 1) ** 2, 0.0)
+        if not near.any():
+            continue
+        half = first.shape[1] // 2
+        ones = first[:, half + 1 :], second[:, :half]
+        flanks = [one.reshape(len(one), -1) for one in ones]
+        tips = first[:, -1], second[:, 0]
+        offset = sum(
+            abs(images.points[a][..., 1 - family].mean() - images.points[b][..., 1 - family].mean())
+            for a, b in zip(flanks, tips)
+        )
+        for number, sign in ((0, 1.0), (1, -1.0)):
+            slave, master = flanks[number], flanks[1 - number]
+            place = images.points[slave].mean(axis=1)
+            length = np.sqrt((np.diff(place, axis=0) ** 2).sum(axis=1))
+            areas = length[at] * thick * near
+            part = slave[reach : reach + size + 1]
+            found.append(
+                (family, Sides(part, master, 1 - family, sign, areas, at + 0.5, 0.5, offset))
             )
-            for number, sign in ((0, 1.0), (1, -1.0)):
-                slave, master = flanks[number], flanks[1 - number]
-                place = images.points[slave].mean(axis=1)
-                length = np.sqrt((np.diff(place, axis=0) ** 2).sum(axis=1))
-                areas = length[at] * thick * near
-                part = slave[reach : reach + size + 1]
-                found.append(
-                    (family, Sides(part, master, 1 - family, sign, areas, at + 0.5, 0.5, offset))
-                )
     return found
 
 
@@ -325,6 +298,19 @@ def columns(mesh: YarnMesh, cells: int) -> IntArray:
             parts = [_crossing(mesh, a, b, cells)[0] for a, b in ((warp, weft), (weft, warp))]
             found.append([g[len(g) // 2, g.shape[1] // 2] for g in parts])
     return np.array(found)
+
+
+def _parallel_neighbours(mesh, images, reach):
+    """Yield (family, thickness [m], grid, grid of the next yarn) of each yarn, with `reach` columns more at
+    both ends."""
+    for family in (0, 1):
+        yarns = _yarns(mesh, family)
+        for yarn, next_yarn in zip(yarns, [*yarns[1:], yarns[0]]):
+            # the last one's neighbour is the image of the first, one cell further across
+            step = int(yarn == yarns[-1])
+            m, n = (0, step) if family == 0 else (step, 0)
+            grids = images.extended(yarn, 0, 0, reach), images.extended(next_yarn, m, n, reach)
+            yield family, mesh.sections[family].thickness, *grids
 
 
 def _yarns(mesh, family):

@@ -38,8 +38,6 @@ from unitcell3d.material.numerics import FRACTIONS, fraction_of
 SIZE = (4, 3, 2)
 # [-] of fibre volume fraction, from the mesh at rest to packed yarns
 _LEAST_ROOM = 0.01
-# [-] to which fibre fractions are the same
-_ALIKE = 0.02
 MESH = "mesh"
 FRACTION = "fibre fraction"
 

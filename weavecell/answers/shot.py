@@ -39,7 +39,6 @@ from weavecell.results.impact_shapes import Shape
 from weavecell.results.left_out import (
     LeftOut,
     find_left_out,
-    lines_of,
     say_nominal,
     summarise,
 )
@@ -221,7 +220,7 @@ class ShotResult(ImpactRecord, WrittenResult):
         return None if self.draws is None else self.draws.measurements
 
     @property
-    def _run_words(self):
+    def run_words(self) -> str:
         """What the run took of all that nobody gave."""
         from weavecell.studies import unknown
 
@@ -242,7 +241,7 @@ class ShotResult(ImpactRecord, WrittenResult):
         value, outcome = chapters_shot.outcome(self), self.outcome
         if self.pair is not None:
             value = f"{value}; {chapters_discretisation.in_answer(self.pair)}"
-        over = self._run_words
+        over = self.run_words
         moved: tuple[Mover, ...] = ()
         advice: tuple[str, ...] = ()
         if self.draws is not None:
@@ -396,9 +395,6 @@ class ShotResult(ImpactRecord, WrittenResult):
     _written = NAMES
 
     def _write(self, out):
-        target = self.target
-        # it has a case, and so a target
-        assert target is not None
         outputs = self.case.scene.run.outputs
         stamp = self.save_numbers(out)
         # of an earlier run, whose series may have been longer
@@ -410,26 +406,10 @@ class ShotResult(ImpactRecord, WrittenResult):
             self.to_vtk(out)
         if not {"pictures", "report"} & set(outputs):
             return
-        if self.pair is None:
-            used = target.setup
-        else:
-            used = self.pair.setup
-        # which load a plotter
-        from weavecell.report import page
-        from weavecell.report.shot import chapters_shot, view
+        # which loads a plotter
+        from weavecell.report.shot import report_shot
 
-        stills = view.still(self)
-        beside = stills[:1]
-        if self.draws is not None:
-            # it has the answer; histories and stills are of one run
-            beside = (chapters_shot.draw_draws(self.draws),)
-        sections = self._sections(used, tuple(one for one in stills if one not in beside))
-        if "pictures" in outputs:
-            page.write_pictures(
-                (page.Section("panel", "", figures=beside), *sections), out / "pictures"
-            )
-        if "report" in outputs:
-            self._write_report(out, used, sections, stamp, beside)
+        report_shot.write(self, out, stamp)
 
     def save_numbers(self, out: Path) -> dict[str, Any]:
         """Write the input, histories.h5 and summary.json to a folder; return the provenance."""
@@ -457,75 +437,6 @@ class ShotResult(ImpactRecord, WrittenResult):
         }
         json_file.write_summary(out / "summary.json", content)
         return stamp
-
-    def _sections(self, setup, stills):
-        """Return the chapters that have pictures or follow from options; `setup` is what was run,
-        `stills` pictures of its end."""
-        from weavecell.report import chapters, chapters_discretisation
-        from weavecell.report.shot import chapters_shot, moving
-
-        case = self.case
-        scene = self.case.scene
-        used = setup.meshed
-        sections = []
-        lead = ""
-        if self.draws is not None:
-            lead = f"{self._run_words}: it {chapters_shot.outcome(self)}."
-            lead = lead[0].upper() + lead[1:]
-        sections += [
-            moving.section(self, moving.collect_instants(self, self.instants)),
-            chapters_shot.chapter(self, stills, lead),
-            chapters_shot.mesh(self, used),
-        ]
-        if used.crossovers is None:
-            sections.insert(-1, chapters_shot.critical(self, used))
-        if self.pair is not None:
-            sections.append(chapters_discretisation.section(self.pair))
-        if self.measured:
-            places = ()
-            if scene.history:
-                places = scene.history.report_positions
-            # the ply that is struck, and the last
-            for ply in dict.fromkeys((0, self.count - 1)):
-                number = None
-                if self.pack:
-                    number = ply + 1
-                fabric = self.ply_fabrics[ply] if self.ply_fabrics else ""
-                if self.measured[ply].yarns:
-                    sections.append(
-                        chapters_shot.measures(self.measured[ply], places, number, fabric)
-                    )
-        sections += chapters_shot.body(self)
-        if self.draws is not None:
-            sections.append(chapters_shot.describe_draws(self.draws))
-            sections.append(chapters_shot.describe_unknown(setup))
-        if case.surface is None:
-            laws = {case.law_name: case.laws}
-            cell = chapters.cell(case.fabric, laws, scene.fabric.cell_model)
-            sections.append(replace(cell, folded=True))
-        lines = [*self.assumed, *lines_of(self.left_out)]
-        if self.pack:
-            lines += [self.gap_words, self.contact_words]
-        sections.append(chapters_shot.assumptions(used, lines, body=self.rigid_check))
-        return sections
-
-    def _write_report(self, out, setup, sections, stamp, beside):
-        """Write the report with the chapters of `_sections`, and a picture beside the answer; `setup` is
-        what was run."""
-        from weavecell.report import chapters, checks
-        from weavecell.report.shot import chapters_shot
-
-        chapters.write(
-            out,
-            chapters.describe_shot(setup, self.case.scene, velocity=True),
-            setup.fabrics,
-            (*sections, checks.section(self.checks)),
-            stamp,
-            {"time integration": self.wall_time},
-            self.answer,
-            (chapters_shot.settings(setup.meshed),),
-            beside,
-        )
 
     def lines(self) -> list[str]:
         """Write the lines that are printed, without what is doubtful."""

@@ -28,8 +28,6 @@ DRAWS = 100
 SEED = 1
 # of a standard deviation: an interval of 95 %
 WIDTH = 1.96
-# from one spacing to the next: a record of even spacing but for its rounding
-EVEN = 0.01
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,6 @@ and 20 crossings 89 had the friction that went in.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -31,7 +30,6 @@ from fabrics.base.errors import InputError
 from fabrics.base.units import refused
 from shellfabric.coupon.pull_out import PullOut
 
-LOG = logging.getLogger("weavecell")
 CONFIDENCE = 0.9
 YARNS = {"warp": "warp", "weft": "weft", "fill": "weft", "filling": "weft"}
 # rows that a record of load and displacement has at least

@@ -1,5 +1,6 @@
 """Calibration of S-720 on a small mesh; on the least of meshes, how it is interrupted, goes on and reports."""
 
+import itertools
 import json
 from concurrent.futures import Executor, Future
 from dataclasses import replace
@@ -27,7 +28,7 @@ from unitcell3d.identify.calibrate import (
     run_job,
 )
 from unitcell3d.identify.calibration import ONE_LAW
-from unitcell3d.identify.law_range import _packed_later
+from unitcell3d.identify.law_range import _ends_of_solid, _packed_later
 
 
 @pytest.fixture(scope="module")
@@ -282,6 +283,6 @@ def test_the_ends_of_an_assumed_solid_are_packed_later_than_the_mesh(tmp_path):
     fabric = with_room(assumed.with_solid_laws(catalogue.load(thin)))
     dense = Plan.of(fabric, size="coarse", shift=True).section_fit.Vf0
     assert max(dense) > 0.9
-    for end in assumed.solid_ends(fabric).values():
+    for end in itertools.chain.from_iterable(_ends_of_solid(fabric).values()):
         laws = _packed_later(end, "coarse").solid_laws
         assert all(law.V_c > Vf0 for law, Vf0 in zip(laws, dense))
