@@ -13,14 +13,16 @@ import pytest
 CHEAP = (
     "impact-S-720-stops",
     "impact-own-fabric",
-    "impact-S-728-pack",
+    "start-S-728-pack",
     "coupon-S-720-frame",
     "coupon-S-720-warp",
     "coupon-S-726-pull-out",
 )
 
 
-@pytest.mark.parametrize("name", CHEAP)
+@pytest.mark.parametrize(
+    "name", [*CHEAP, pytest.param("impact-S-728-pack", marks=pytest.mark.slow(8))]
+)
 def test_numbers_are_those_that_are_kept(name, tool):
     off, _, _ = tool("golden").find_changes(name)
     assert off == []
@@ -39,36 +41,19 @@ def with_shear(setup, share):
     return replace(setup, fabric=replace(setup.fabric, shear=shear))
 
 
-@pytest.fixture(scope="module")
-def compute():
-    """Numbers of the shot of `impact-S-720-stops` with a changed coefficient; the unchanged shot is fired once."""
-    known = {}
-
-    def numbers(golden, change, share):
-        asked = share if share == 1.0 else (change, share)
-        if asked not in known:
-            setup = golden.setup(golden.EXAMPLES / "S-720-stops.toml")
-            known[asked] = golden.numbers(golden.run_shot(change(setup, share)))
-        return known[asked]
-
-    return numbers
-
-
 @pytest.mark.parametrize("change", [with_modulus, with_shear])
-def test_a_coefficient_changed_by_a_millionth_is_found_on_another_processor(change, tool, compute):
-    """By the tolerance of another processor than the one that wrote the file, of one ply."""
+def test_a_coefficient_changed_by_a_millionth_is_found_on_another_processor(change, tool):
+    """By the tolerance of another processor than the one that wrote the file, of one ply; with the unchanged one
+    `test_numbers_are_those_that_are_kept` finds nothing by no wider a tolerance."""
     golden = tool("golden")
     name = "impact-S-720-stops"
     kept = json.loads((golden.FOLDER / f"{name}.json").read_text())
     elsewhere = golden.tolerance(name, kept | {"machine": {"processor": "another"}})
-    for share, found in ((1.0, False), (1 + 1e-6, True)):
-        computed = compute(golden, change, share)
-        off = [
-            key
-            for key, value in kept["numbers"].items()
-            if not golden.same(key, value, computed[key], elsewhere)
-        ]
-        assert bool(off) is found, off
+    setup = golden.setup(golden.EXAMPLES / "S-720-stops.toml")
+    computed = golden.numbers(golden.run_shot(change(setup, 1 + 1e-6)))
+    assert not all(
+        golden.same(key, value, computed[key], elsewhere) for key, value in kept["numbers"].items()
+    )
 
 
 def test_a_difference_is_measured_by_its_field_and_never_below_the_floor_of_its_unit(tool):

@@ -103,6 +103,11 @@ RUNS = {
         lambda path: run_shot(setup(path)),
         [path.stem for path in sorted(EXAMPLES.glob("*.toml")) if path.stem not in LONG],
     ),
+    # the first part of it, which a quick test can afford
+    "start": (
+        lambda path: run_shot(replace(setup(path), end_time=80e-6)),
+        ["S-728-pack"],
+    ),
     "coupon": (
         coupon_test,
         ["coupons/S-720-frame", "coupons/S-720-warp", "coupons/S-726-pull-out"],
@@ -123,6 +128,7 @@ CASES = {
 
 PACKS = (
     "impact-S-728-pack",
+    "start-S-728-pack",
     "impact-hybrid-pack",
     "calibration-S-720",  # its iterations end at a residual
 )

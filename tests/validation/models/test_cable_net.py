@@ -86,11 +86,13 @@ def test_energy_error_falls_with_the_square_of_the_step():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
 
 
-def beside_shell(crimps):
-    """S-720 at 100 m/s over 240 us: the decoupled shell without trellis, and the net, with points as stiff as its."""
+def beside_shell(crimps, end_time, opening):
+    """S-720 at 100 m/s: the decoupled shell without trellis, and the net, with points as stiff as its."""
     fabric = replace(S720.with_yarns(crimp=crimps), shear=None)
     mesh = {"elements_per_crossover": 1, "cell_model": "decoupled"}
-    setup = ImpactSetup(fabric, 100.0, end_time=240e-6, audit_interval=2e-7, **mesh)
+    setup = ImpactSetup(
+        fabric, 100.0, end_time=end_time, opening=opening, audit_interval=2e-7, **mesh
+    )
     stiffness = (
         setup.panel().constants().point_law.stiffness
         / CableNet(setup, penalty=1.0).const.point_law.stiffness
@@ -99,29 +101,30 @@ def beside_shell(crimps):
 
 
 @pytest.mark.parametrize(
-    "crimps, bounds",
+    "crimps, end_time, opening",
     [
-        pytest.param((0.0, 0.0), (0.5, 0.005), id="flat", marks=pytest.mark.slow),
-        pytest.param((0.0218, 0.0139), (0.5, 0.005), id="crimped"),
+        pytest.param((0.0, 0.0), 240e-6, 0.203, id="flat", marks=pytest.mark.slow),
+        pytest.param((0.0218, 0.0139), 240e-6, 0.203, id="crimped", marks=pytest.mark.slow(7)),
+        pytest.param((0.0218, 0.0139), 120e-6, 0.1, id="crimped, small"),
     ],
 )
-def test_decoupled_shell_is_the_cable_model(crimps, bounds):
+def test_decoupled_shell_is_the_cable_model(crimps, end_time, opening):
     """Thesis Figures 4-21 to 4-23: the projectile's velocity, and the middle warp's pull on its clamp.
 
     Measured: velocities differ by at most 0.09 m/s flat and 0.20 m/s crimped, the impulse on the clamp by 0.4 %. Noise:
     shell 4.7 and 4.0 N, net 5.1 and 4.9 N.
     """
-    shell, cable = beside_shell(crimps)
-    t = np.linspace(0, 240e-6, 1201)
+    shell, cable = beside_shell(crimps, end_time, opening)
+    t = np.linspace(0, end_time, round(end_time / 2e-7) + 1)
     velocity = np.interp(t, cable.step_history[:, 0], cable.step_history[:, 2]) - np.interp(
         t, shell.step_history[:, 0], shell.step_history[:, 2]
     )
-    assert abs(velocity).max() < bounds[0]
+    assert abs(velocity).max() < 0.5
     pulls = (
         np.interp(t, shell.time, shell.reactions["warp"]),
         np.interp(t, cable.step_history[:, 0], cable.reactions["warp"]),
     )
-    assert np.sum(pulls[1]) == pytest.approx(np.sum(pulls[0]), rel=bounds[1])
+    assert np.sum(pulls[1]) == pytest.approx(np.sum(pulls[0]), rel=0.005)
     # what is left beside the mean over 5 us
     noise = [np.std(pull - np.convolve(pull, np.full(25, 0.04), "same")) for pull in pulls]
     assert noise[0] < 1.25 * noise[1]

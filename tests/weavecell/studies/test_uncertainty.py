@@ -141,10 +141,10 @@ def test_a_graded_panel_has_the_yarns_of_the_uniform_one(name):
 
 
 def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
-    """Eight drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
+    """Four drawn panels about the limit: outcomes and residual velocities are the same to the bit with and without,
     and most of what is stopped takes less time."""
     spared = []
-    for number, velocity in enumerate(np.linspace(40.0, 70.0, 8)):
+    for number, velocity in enumerate((40.0, 44.3, 48.6, 52.9)):
         panel = strengths.draw_panel(setup_of(fabric, 0.06), inputs.read_scatter(), 5, number).pack
         one, two = (
             ballistic_limit.shoot(panel, (velocity,), stops_below=x)[0]
@@ -154,7 +154,7 @@ def test_slow_projectiles_that_count_as_stopped_do_stop(fabric):
         assert one.residual_velocity == two.residual_velocity
         assert two.time == one.time if one.perforated else two.time <= one.time
         spared += [] if one.perforated else [1 - two.time / one.time]
-    assert 2 <= len(spared) <= 6
+    assert 2 <= len(spared) <= 3
     assert np.median(spared) > 0
 
 
