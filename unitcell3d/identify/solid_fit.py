@@ -483,6 +483,7 @@ def _look_beside(found, evaluate, bounds):
     """Return the least of the solution and of those that are found from either side of it, along its flattest
     direction."""
     flattest = np.linalg.svd(found.jacobian, full_matrices=False)[2][-1]
+    flattest *= np.sign(flattest[np.argmax(np.abs(flattest))])  # its sign is the library's
     starts = [np.clip(found.x + side * BESIDE * flattest, *bounds) for side in (-1, 1)]
     others = [least_squares.solve(evaluate, start, bounds) for start in starts]
     met = [one for one in (found, *others) if np.isfinite(one.residual).all()]
