@@ -100,6 +100,8 @@ def test_drawn_shots_answer_alike_wherever_they_are_shown(name, succeed, tmp_pat
     content = check_alike(loaded, printed, tmp_path / "r", "summary.json")
     assert content["draws"]["shots"] <= 4
     assert loaded.answer.over.startswith("4 drawn shots: place, friction between yarns 0.1 to 0.3")
+    # pictures are of one run beside them
+    assert loaded.run_words.startswith("one run: on a yarn, half-way from gap to crossover")
     assert "what nobody gave" not in content["left_out"]
     assert not (tmp_path / "r/draws").exists()
 
