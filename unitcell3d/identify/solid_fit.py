@@ -52,7 +52,7 @@ NEAR_LIMIT = 0.2  # relative error of the sum of squares that is enough
 STRAIGHT = 0.15
 FIRST_WAY = 0.7
 FURTHEST_WAY = 2.5
-BESIDE = 0.5  # in a logarithm: how far from a solution, along its flattest direction, others are looked for
+SOFTER = float(np.log(0.5))  # of ln E_c: from how far below a solution another is looked for
 LINEAR = 0.05  # in a logarithm: within it the sum of squares is that of the covariance
 
 
@@ -321,7 +321,7 @@ class _Fit:
         for turn in range(PASSES if len(np.unique(self._groups)) > 1 else 1):
             found = least_squares.solve(of_free, x[free], bounds)
             if turn == 0 and self._is_followed_badly(found):
-                found = _look_beside(found, of_free, bounds)
+                found = _look_below(found, of_free, bounds)
             x = self._full(x, found.x)
             self.errors = self._estimate_errors(x)
         misfit, jacobian = self.evaluate(x)
@@ -330,7 +330,7 @@ class _Fit:
     def _is_followed_badly(self, found):
         """Whether the law of the solid misses the platens by more than they tell: such a sum of squares has more than
         one minimum, between which E_c differs by up to 1.7."""
-        if "platens" not in self.evidence:
+        if "platens" not in self.evidence or 0 not in self.free:
             return False
         part = found.residual[self._groups == 0]
         return bool(np.sqrt(np.mean(part**2)) > self._floors[0])
@@ -479,15 +479,13 @@ class _Fit:
                 solver.close()
 
 
-def _look_beside(found, evaluate, bounds):
-    """Return the least of the solution and of those that are found from either side of it, along its flattest
-    direction."""
-    flattest = np.linalg.svd(found.jacobian, full_matrices=False)[2][-1]
-    flattest *= np.sign(flattest[np.argmax(np.abs(flattest))])  # its sign is the library's
-    starts = [np.clip(found.x + side * BESIDE * flattest, *bounds) for side in (-1, 1)]
-    others = [least_squares.solve(evaluate, start, bounds) for start in starts]
-    met = [one for one in (found, *others) if np.isfinite(one.residual).all()]
-    return min(met, key=lambda one: float(one.residual @ one.residual))
+def _look_below(found, evaluate, bounds):
+    """Return the lower of the solution and of what is found from half its first unknown, E_c: the solids of a file are
+    stiffer than their platens, so that the first fit comes from above."""
+    start = found.x.copy()
+    start[0] += SOFTER
+    other = least_squares.solve(evaluate, np.maximum(start, bounds[0]), bounds)
+    return min(found, other, key=lambda one: float(np.sum(one.residual**2)))
 
 
 def _on_mesh(fit, size, x, shown):

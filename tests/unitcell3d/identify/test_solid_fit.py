@@ -225,10 +225,10 @@ def test_states_off_a_straight_line_and_free_directions_are_refused():
 
 
 @pytest.mark.parametrize("deeper", [-1, 1])
-def test_of_two_minima_along_the_flattest_direction_the_lower_is_taken(deeper):
-    """The square of the first misfit is 600 (y^2 - 0.04)^2 + 0.3 - 0.2 deeper y, y along (0.6, 0.8): wells at about 0.2
-    and -0.2. The second misfit is steep across it."""
-    along, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+def test_of_two_minima_the_lower_is_taken(deeper):
+    """The square of the first misfit is 600 (y^2 - 0.04)^2 + 0.3 - 0.2 deeper y, y = x_0 + 0.3 x_1: wells at about 0.2
+    and -0.2. The second misfit is steep across them. The higher well is left if the lower one is below it."""
+    along, across = np.array([1.0, 0.3]), np.array([-0.3, 1.0])
 
     def evaluate(x):
         y = along @ x
@@ -237,11 +237,10 @@ def test_of_two_minima_along_the_flattest_direction_the_lower_is_taken(deeper):
         return np.array([square**0.5, 9 * across @ x - 0.1]), np.stack([slope * along, 9 * across])
 
     bounds = np.full(2, -3.0), np.full(2, 3.0)
-    first = least_squares.solve(evaluate, -0.19896 * deeper * along, bounds)
-    assert deeper * along @ first.x < -0.15
-    found = solid_fit._look_beside(first, evaluate, bounds)
-    assert deeper * along @ found.x > 0.19
-    assert solid_fit._look_beside(found, evaluate, bounds).x == pytest.approx(found.x, abs=0.01)
+    above = least_squares.solve(evaluate, 0.2 * along / (along @ along), bounds)
+    assert along @ above.x == pytest.approx(0.2, abs=0.01)
+    found = solid_fit._look_below(above, evaluate, bounds)
+    assert along @ found.x == pytest.approx(0.2 * deeper, abs=0.01)
 
 
 @pytest.mark.slow(40)
