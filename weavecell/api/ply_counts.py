@@ -181,7 +181,7 @@ def plies(
     --------
     >>> found = wc.plies("S-728", stop="FSP 1.10 g", at="120 m/s", shots=4, opening="50 mm")
     >>> found.counts["S-728"].plies
-    4
+    3
     """
     from weavecell.runs import v50
 
